@@ -5,8 +5,8 @@ A benchmark is a module ``benchmarks/bench_<name>.py`` with a docstring, whose f
     def run(smoke: bool) -> list[dict[str, object]]
 
 that measures and returns rows, each a mapping of column name to value (strings, integers, floats; the same columns in
-each row). With ``smoke`` it does the least work that passes through all of its code, in seconds. A figure that breaks a
-promise raises an exception; the command then fails, after the other benchmarks have run.
+each row). With ``smoke`` it does the least work that passes through all of its code, in seconds. If a measured value
+breaks a promise, ``run`` raises an exception; the command then fails after the other benchmarks have run.
 """
 
 from __future__ import annotations

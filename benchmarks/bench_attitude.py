@@ -1,8 +1,8 @@
 """Torque-free attitude at any epoch: the laboratory compared with Orekit's TorqueFree.
 
 The body (1, 2, 3) starts from ω = (0.384, 0.64, −0.496). Errors of ω in the axes of the body are differences from a run
-of 50 digits from the same floats. Orekit is measured through JPype, one epoch a call, where ``orekit_jpype`` and a Java
-are installed (``pip install orekit-jpype``). Times are of the processor, the least of several.
+of 50 digits from the same floats. Orekit is measured through JPype, one epoch a call, where ``orekit_jpype`` and Java
+are installed (``pip install orekit-jpype``). Times are processor times, the least of several.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
 """Batches of genus 2 and 3 compared with genus 2 in C and python-flint's Cantor: nanoseconds for an addition or a
 doubling.
 
-Each row is one prime, operation and number N of rows. "kernel" is the compiled loop alone on one thread, "C" the loop
-of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
-the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the largest
-amount that the operator allocates, in units of the result's array. The last rows are other curves: models of degree 6,
-primes of two words, GF(2^n) without tables, genus 3 (explicit on degree 7, Cantor on degree 8), tables. "random" are
-``J.random(rng, size=N)``, "single" ``J.random(rng)``.
+Each row is one prime, operation and number N of rows. "kernel" is the compiled loop alone on one thread. "C" is the
+loop of benchmarks/c/genus2_batch.c on the same words, compiled here with cc -O3 -march=native; the results are
+compared. "array" is the operator on a DivisorArray on one thread, and "threads" the factor by which all threads speed
+it up. "memory" is the largest amount that the operator allocates, in units of the result's array. The last rows are for
+other curves: models of degree 6, primes of two words, GF(2^n) without tables, genus 3 (explicit on degree 7, Cantor on
+degree 8), tables. "random" is ``J.random(rng, size=N)``, "single" is ``J.random(rng)``.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ OTHERS = {
 
 
 def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
-    """``count`` sums of two classes from a pool. All sums have full weight, and two are equal only by chance."""
+    """``count`` sums 2(D + E) + F of classes from a pool: generic divisors, two of which are equal only by chance."""
     rng = Random(seed)
     pool = DivisorArray.stack([sum_of_points(C, rng) for _ in range(64)])
     draw = np.random.default_rng(seed)
@@ -66,7 +66,7 @@ def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
 
 
 class Compiled:
-    """The compiled C program for one context; without a compiler there is none."""
+    """The compiled C program for one context; ``call`` is None without a compiler."""
 
     def __init__(self, K: Any, C: Any, directory: str) -> None:
         self.call: Any = None

@@ -1,4 +1,4 @@
-"""Error of D + D' in floats against the distance of D' from D: the classical solve, the stacked one, the kernel.
+"""Error of D + D' in floats against the distance of D' from D, by three methods: classical, stacked, kernel.
 
 ``python -m benchmarks.bench_composition --figure docs/figures/composition`` also draws it, as .png and .svg.
 """
@@ -23,7 +23,7 @@ CASES = {
 
 
 def by_cramer(row: Row) -> tuple[Any, Any]:
-    """U and V of a sum by the textbook composition. ZeroDivisionError at D' = D."""
+    """U and V of a sum by the textbook composition. ZeroDivisionError if U and U' have a common zero."""
     u0, u1, v0, v1 = classical(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))
     return (u0, u1), (v0, v1)
 

@@ -1,14 +1,16 @@
-"""Ensembles of random balls compared with heyoka's ensembles of batches, K = 10 … 10⁵, on one thread and on two.
+"""Ensembles of K = 10 … 10⁵ random balls compared with heyoka's ensembles of batches, on one thread and on two.
 
-Moments in 1 … 3, d in 0 … 1, |M| = 2, all different, 101 times from 0 to T. ``ms`` is wall time a member, with the
-set-up of the members and without compilation; ``processor ms`` is that of all threads. ``error`` is the largest of γ
-and M/|M| against the torus of 20 members. ``memory`` is the growth of the process in MB; chunks of 64 MB are requested.
-heyoka runs batches of the processor's width at tolerance 1e-15 on as many threads, compiled before (``pip install
+The balls have different moments in 1 … 3 and different d in 0 … 1, and |M| = 2; states are computed at 101 times from 0
+to T. ``ms`` is the wall time per member, with the set-up of the members and without compilation; ``processor ms`` is
+the processor time of all threads. ``error`` is the largest difference of γ and M/|M| of the first 20 members from their
+motions by the compiled kernel. ``memory`` is the growth of the process in MB; chunks of 64 MB are requested. heyoka
+runs batches of the processor's SIMD width at tolerance 1e-15 on as many threads, compiled before (``pip install
 'jacobian-integrable[peers]'``). The benchmark takes two minutes on an idle machine.
 
 The last rows are of systems of any genus: 1,000 starts of Neumann's point on S², and of three particles of Toda's
-lattice, at T = 100. Times are processor times on one thread. ``÷ one by one`` compares our default with heyoka, built
-once, at tolerance 1e-15. ``÷ batches`` compares our tolerance 1e-12 with heyoka's batch mode at the same tolerance.
+lattice, up to T = 100. Times are processor times on one thread. ``÷ one by one`` compares our default with heyoka,
+built once, at tolerance 1e-15. ``÷ batches`` compares our tolerance 1e-12 with heyoka's batch mode at the same
+tolerance.
 """
 
 from __future__ import annotations
@@ -96,7 +98,7 @@ def of_system(name: str, system: Any, tangent: bool, smoke: bool) -> dict[str, o
 
 
 def in_batches(peer: Any, q: np.ndarray, p: np.ndarray, times: np.ndarray) -> Callable[[], Any]:
-    """A run of heyoka's batch mode from all starts, built before."""
+    """A function that runs heyoka's batch mode from all starts, with an integrator built before the first run."""
     import heyoka as hy
 
     width, starts = hy.recommended_simd_size(), np.hstack([q, p])
@@ -144,7 +146,7 @@ def truth(many: Ensemble, times: np.ndarray) -> np.ndarray:
 
 
 def error(gamma: np.ndarray, M: np.ndarray, wanted: np.ndarray) -> float:
-    """The largest difference of γ and M/|M| from the wanted values."""
+    """The largest difference of γ and M/|M| from the reference values."""
     count = len(wanted)
     return float(abs(np.concatenate([gamma[:count], M[:count] / 2], axis=2) - wanted).max())
 

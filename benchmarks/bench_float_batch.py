@@ -1,4 +1,4 @@
-"""Float batches: one divisor added to N others, compared with the bare loop in C: states of one ball, complex divisors.
+"""Batches in floats: one divisor added to N others, states of one ball or complex, compared with a bare loop in C.
 
 ns are processor time of all threads, the least of several runs; "residual" is the largest of |f − V² mod U| over the
 size of its terms, after the addition. The rows "1 thread" and "2 threads" have the elapsed time, and the processor time
@@ -51,7 +51,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def _states() -> DivisorArray:
-    """The divisor of a step, and states of one motion some steps apart."""
+    """The divisor of a step, and the divisors of states of one motion, three steps apart."""
     from integrable.moving_point.compiled import LIBRARY
 
     ball = ChaplyginBall((1, 2, 3), 0.7)
@@ -163,7 +163,7 @@ def _compiled(folder: Path, f: Any, first: Any, second: Any) -> Callable[[], Any
 
 
 def _columns(found: Any) -> Any:
-    """The arrays u₀, u₁, v₀ and v₁ of the rows of weight 2."""
+    """The arrays u₀, u₁, v₀ and v₁ of the divisors of degree 2."""
     if not isinstance(found, DivisorArray):
         return found
     found = found[found.status == 0]

@@ -33,12 +33,13 @@ HARD: dict[str, tuple[tuple[float, ...], float, Any, Any]] = {
     "|M| = 2e4": ((1, 2, 3), 0.7, START[0], (3840, 12800, -14880)),
 }
 
-# cases whose series on the torus has so few terms that the readable loops compute it in seconds
+# cases whose series on the torus has so few terms that the kernel "python" computes it in seconds
 READABLE = ("S1", "S6", "1 : 10^4 : 10^8", "equal moments", "equal to 1e-12", "|M| = 2e4")
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows: error at the reference's times; error at far times against other computations; cost; memory of a stream.
+    """Rows: error at the reference's times; error at distant times against other computations; cost; memory of a
+    stream.
 
     Seconds and microseconds are processor time, the best of several repeats; loading the compiled loops is a row of its
     own.
@@ -86,8 +87,8 @@ def _against_reference(name: str) -> list[dict[str, object]]:
 
 
 def _far(name: str, smoke: bool) -> list[dict[str, object]]:
-    """Errors from the same floats, taken as exact: at τ = T/|M| against 25 digits and the table of counts, at t = T/|M|
-    against the readable loops in 48 digits.
+    """Errors for the same floats, taken as exact. The reference is :class:`PreciseFlow` at 25 digits for τ = T/|M|, and
+    the kernel "python" for t = T/|M|.
     """
     system, state = system_of(name)
     times = np.array(FAR[:2] if smoke else FAR) / float(np.linalg.norm(state.M))
@@ -150,7 +151,7 @@ def _stream(count: int) -> dict[str, object]:
         command = [sys.executable, "-c", _STREAM, str(path), str(count)]
         before, after, seconds = map(float, subprocess.run(command, check=True, capture_output=True).stdout.split())
         size = path.stat().st_size
-    # kilobytes, but bytes on macOS
+    # ru_maxrss is in kilobytes, on macOS in bytes
     unit = 1024.0 if sys.platform != "darwin" else 1024.0 * 1024
     return {
         "what": f"stream of {count} states",

@@ -1,7 +1,8 @@
-"""Orbits in the galaxy of Kuzmin and Kutuzov, 200 at random, beside galpy's integrations where galpy is installed.
+"""200 random orbits in the galaxy of Kuzmin and Kutuzov, compared with galpy's integrations where galpy is installed.
 
-Each orbit is bound, has 101 times up to T, and is made anew. Errors are the largest of a position, relative to its
-size, against 30 digits; those are computed for the first ten orbits. Times are of the processor, their medians.
+Each orbit is bound, has 101 times up to T, and starts from a new system. Errors are the largest errors of the last
+position, relative to its largest component, against 30 digits, over the first ten orbits. Times are medians of
+processor times.
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ def _outside(once: Callable[..., tuple[float, float]], case: Any, times: list[fl
 
 
 def _built(problem: Any, tolerance: float, compact: bool) -> tuple[Any, float]:
-    """An integrator of a problem, its parameters set, and the seconds that building it took."""
+    """An integrator of a problem with its parameters, and the seconds that building it took."""
     import heyoka
 
     heyoka.llvm_state.clear_memcache()

@@ -1,5 +1,5 @@
-"""Sums in floats of points of any size, and of clusters, against sums of hundreds of digits. Columns: refusals, and the
-error in units of the effect of the summands' last bits on the sum.
+"""Sums of divisors in floats, of points of any size and of clusters, against sums at hundreds of digits. Columns:
+refusals, and the error in units of the effect of the summands' last bits on the sum.
 
 ``python -m benchmarks.bench_inexact --sums 2000 --seed 1`` tries that many sums for each row.
 """
@@ -14,8 +14,7 @@ from jacobian import RR, HyperellipticCurve, PrecisionLoss
 from jacobian.terminal import CommandParser
 from tests.jacobian.inexact import inexact_oracle as oracle
 
-# every size: |x| over several powers of ten; one size: |x| within a factor; cluster: points within 1e-8 … 1e-1 of each
-# other
+# every size: |x| in 1e-9 … 1e9; one size: |x| in 0.1 … 10; cluster: points at relative distances of 1e-8 … 1e-1
 KINDS = ("every size", "one size", "cluster")
 # if the last bits of the summands change a coefficient of the sum by this fraction, they may decide its degree
 DECIDED = 1 / 50

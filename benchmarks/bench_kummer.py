@@ -1,9 +1,9 @@
 """Sums on Kummer surfaces compared with the group of the curve: microseconds of processor time each, on one thread.
 
-"sum" and "ladder" are single calls, "sum, array" and "ladder, array" a point of an array of 500; "m·D" is the same
-multiple in the group, compiled where possible, and "m·D, array" one of an array. "flint m·D" is the multiple by
-doubling and adding with Cantor's algorithm on python-flint's polynomials. "set-up" is the time for the forms of a
-curve, in seconds, once.
+"sum" and "ladder" are single calls; "sum, array" and "ladder, array" are times per point of an array of 500. "m·D" is
+the same multiple in the group, compiled where possible, and "m·D, array" its time per class of an array. "flint m·D" is
+the multiple by doubling and adding with Cantor's algorithm on python-flint's polynomials. "set-up" is the time for the
+forms of a curve, in seconds, spent once.
 """
 
 from __future__ import annotations

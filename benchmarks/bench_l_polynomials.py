@@ -3,8 +3,8 @@
 "PARI, s" is PARI's ``ellap`` at all primes in genus 1, else its ``hyperellcharpoly`` at a prime of each bit length,
 times the number of such primes, for bounds up to PARI_TO (cypari, where it is installed); "growth" is the time for this
 bound over that for a quarter of it. "memory, MB" is the peak of this process so far. The last rows justify the
-arithmetic of trees. They compare a product of matrices in FLINT with the transforms alone that it would take if they
-were kept, and walks from 0 on with blocks of a forest.
+arithmetic of trees. One compares a product of two matrices in FLINT with the 75 transforms alone that the product would
+need. The others compare one walk from 0 with the blocks of a forest.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from jacobian.numbers.threads import set_threads, threads
 CURVES = {1: [1, -1, 0, 1], 2: [1, -1, 0, 0, 0, 1], 3: [1, -1, 0, 0, 0, 0, 0, 1]}
 BOUNDS = {1: (12, 14, 16, 18, 20), 2: (12, 14, 16, 18, 20), 3: (12, 14, 16, 18)}
 PROMISED = {(1, 20): 60.0, (2, 14): 4.0, (2, 16): 12.0, (2, 20): 360.0, (3, 16): 90.0, (3, 18): 600.0}
-"""Seconds of one processor."""
+"""The promised seconds on one processor, by genus and exponent of the bound."""
 PARI_TO = 1 << 12
-"""A prime of 16 bits takes PARI 5 s."""
+"""The largest bound for PARI in genus 2 and 3. At one prime of 16 bits PARI takes 5 s."""
 BITS = 640_000
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows measured on one thread. AssertionError for a time beyond what is promised, or where PARI disagrees."""
+    """Rows measured on one thread. AssertionError if a time exceeds the promised one, or if PARI disagrees."""
     before = threads()
     set_threads(1)
     try:
@@ -115,7 +115,7 @@ def _matrices(bits: int) -> dict[str, object]:
 
 
 def _blocks(exponent: int) -> list[dict[str, object]]:
-    """Rows with the times of the matrices of genus 2, by one walk and by forests."""
+    """Rows with the times of the Hasse–Witt matrices of genus 2, by one walk and by forests."""
     F, rows = CURVES[2], []
     primes = HyperellipticCurve(QQ, F).l_polynomials(1 << exponent).p
     primes = primes[residues.modulo(2 * residues.exceptions(F, 2), primes) != 0]

@@ -1,9 +1,10 @@
 """Bodies in the laboratory compared with Newton's and Euler's equations of the rotation matrix, at 160 bits.
 
-200 random balls and as many free bodies: tensors of six masses each in any axes, random orientations, ω of 3 rad/s in
-each component. The equations (:mod:`tests.integrable.laboratory.newton_euler`) share no formula with the package; they
-are integrated by heyoka's Taylor series in reals of 160 bits (``pip install 'jacobian-integrable[peers]'``), to 10⁻³⁶.
-Errors are the largest over all bodies: of the elements of the rotation, of ω relative to its size, of the contact in m.
+200 random balls and as many free bodies: inertia tensors of six random masses in arbitrary axes, random orientations,
+components of ω with a standard deviation of 3 rad/s. The equations (:mod:`tests.integrable.laboratory.newton_euler`)
+share no formula with the package; they are integrated by heyoka's Taylor series in reals of 160 bits (``pip install
+'jacobian-integrable[peers]'``), to 10⁻³⁶. Errors are the largest over all bodies: of the elements of the rotation, of ω
+relative to its size, of the contact in m.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ SYMMETRIC = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """A row for each field and kind of body; RuntimeError for an error beyond what is promised."""
+    """A row for each field and kind of body; RuntimeError if an error exceeds the promised one."""
     if not installed("heyoka"):
         return []
     integrate, rows = _integrator(), []
@@ -57,7 +58,9 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def _integrator() -> Any:
-    """(J, R, ω, whether it rolls, time) ↦ the rotation, ω and the displacement of the contact, 14 numbers of WIDE."""
+    """A function from (J, R, ω, whether it rolls, time) to the rotation, ω and the displacement of the contact: 14
+    numbers of WIDE.
+    """
     import heyoka as hy
 
     def real(x: Any) -> Any:

@@ -1,8 +1,8 @@
-"""Motions on Jacobians of genus 1 to 8 by additions: set-up, one point near and far, and their errors; then 1000 points
-up to 10⁶ by the method that the flow chooses.
+"""Motions on Jacobians of genus 1 to 8 by additions: set-up, points near t = 1 and 10⁶, the error at 10⁶; then 50 or
+1000 points up to 10⁶ by the method that the flow chooses.
 
 Neumann's system on S^n (genus n) with a = 1, 2, …, n + 1 and the Toda lattice of n + 1 particles, in floats. Errors at
-10⁶ are against 40 digits from the same floats; times are of the processor, the least of several.
+10⁶ are against 40 digits from the same floats; times are processor times, the least of several.
 """
 
 from __future__ import annotations

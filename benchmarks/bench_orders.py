@@ -1,7 +1,7 @@
-"""Group orders over large primes: the Cartier–Manin matrix in Õ(√p), then baby steps; and the cheapest method.
+"""Group orders over large primes: the Cartier–Manin matrix in Õ(√p), then baby steps.
 
 The first rows compare the method that :mod:`jacobian.finite.hasse_witt` chooses for the matrix with the other one. The
-others are orders of general curves, each checked by 100 random classes of the curve and as many of its twist;
+other rows have orders of random curves, each checked by 100 random classes of the curve and as many of its twist;
 "processor, s" is the time of all threads, "memory, MB" the peak of this process so far.
 """
 
@@ -22,11 +22,13 @@ CHOICES = (10**5, 5 * 10**5, 2 * 10**6, 10**7)
 ORDERS = ((10**9, 2), (10**9, 3), (10**12, 2), (10**12, 3), (10**14, 2))
 WORSE = 2.0
 COMPILED = 1.0
-"""The seconds of compilation, once, for the products; the recurrence needs none."""
+"""The seconds to compile the method of products, spent once. The recurrence needs no compilation."""
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows for the choice and for the orders. AssertionError where a class is not annihilated, or a choice is bad."""
+    """Rows for the choice and for the orders. AssertionError if an order does not annihilate a class, or if the chosen
+    method is much slower than the other.
+    """
     rows = [_choice(start) for start in (CHOICES[:1] if smoke else CHOICES)]
     return rows + [_order(start, g) for start, g in (ORDERS[:1] if smoke else ORDERS)]
 

@@ -1,9 +1,9 @@
 """Reduced Tate pairings in genus 1 and 2 with m of 20 to 60 bits over GF(p), m² | p − 1; in genus 1 compared with PARI.
 
-y² = x³ + ax over p = A² + 1 has a twist of order A², y² = x⁵ + ax over p = 2d² + 1 one of order 4d⁴ (complex
-multiplication by i and √−2): m divides A and d. "ms" is processor time for one pairing once the loop of genus 1 is
-compiled, "m·D, ms" the time of one multiple, which genus 2 takes to check that m annihilates D. "PARI, ms" is PARI's
-``elltatepairing`` without the last power (cypari, where it is installed).
+For p = A² + 1 a twist of y² = x³ + ax over GF(p) has order A²; for p = 2d² + 1 a twist of y² = x⁵ + ax has order 4d⁴.
+They have complex multiplication by i and √−2. m divides A or d. "ms" is the processor time of one pairing once Miller's
+loop of genus 1 is compiled. "m·D, ms" is the time of one multiple, with which genus 2 checks that m annihilates D.
+"PARI, ms" is PARI's ``elltatepairing`` without the last power (cypari, where it is installed).
 """
 
 from __future__ import annotations

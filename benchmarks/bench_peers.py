@@ -5,13 +5,13 @@ digits.
 median of runs in turn in one process, with all code compiled before. heyoka's integrator is built once for a kind of
 system and a tolerance, with the constants as parameters. Each run has 101 times up to T, in the scene's unit of time.
 
-``error`` is the largest of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. Where
+``error`` is the largest error of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. Where
 ``heyoka/flow`` is above 1, the flow is faster. ``fastest`` is the fastest of heyoka, Gauss–Legendre 16 and Taylor,
 compiled, whose error is at most ten times the flow's or 1e-15; a dash if there is none. Rows of set-up have the times
 spent once per system and once per start; ``machine s`` is the time of building heyoka's integrator in this process.
 
-It takes two minutes on an idle machine once everything is compiled. The first run compiles on all cores before it
-measures, and says so. heyoka is in the extra ``peers``.
+The benchmark takes two minutes on an idle machine once everything is compiled. The first run compiles on all cores
+before it measures, and says so. heyoka is in the extra ``peers``.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def runs_of(scene: Scene) -> tuple[dict[str, Callable[[], Timed]], str]:
 
 
 def compared(scene: Scene, T: int) -> tuple[Row, dict[str, Spent]]:
-    """One row, 101 times up to T, and the costs of each side."""
+    """The row for 101 times up to T, and the costs of each method."""
     last = at_times(scene, [T])
     truth = Truth(last, compute(last, 0.0))
     runs, said = runs_of(at_times(scene, grid(T)))
@@ -141,7 +141,7 @@ def set_up(name: str, spent: dict[str, Spent]) -> Row:
 
 
 def ensembles(smoke: bool) -> Row:
-    """The row of an ensemble of a hundred random balls at 101 times up to 100, on one thread, in ms for a member."""
+    """The row of an ensemble of a hundred random balls at 101 times up to 100, on one thread, in ms per member."""
     many, times = bench_ensemble.members(4 if smoke else 100), bench_ensemble.np.linspace(0, 100.0, OUTPUTS)
     wanted = bench_ensemble.truth(many, times)
     bench_ensemble.warm(smoke)

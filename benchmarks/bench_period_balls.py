@@ -1,4 +1,4 @@
-"""Periods in balls: milliseconds for period matrices with proven radii, and the figures of Molin and Neurohr.
+"""Periods in balls: milliseconds for period matrices with proven radii, and the times of Molin and Neurohr.
 
 Genus 3 and 14 at 38, 154 and 600 digits; "theirs" are the times of Molin and Neurohr (2019) in C on a 2.27 GHz Xeon,
 for curves of these genera, not for these curves. "kept" is a second call, which reuses the nodes of the first.

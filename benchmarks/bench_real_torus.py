@@ -1,9 +1,9 @@
-"""Far times of motions of genus 1 and 2: a fresh flow with 101 times to T = 1000 and with one at 10⁶, many points, and
-the same by additions in long numbers.
+"""Motions of genus 1 and 2 at distant times: a fresh flow with 101 times up to T = 1000 or with the one time 10⁶, many
+points of one flow, and points by additions in long numbers.
 
-Times are of the processor, the least of several, interleaved with heyoka's. Its integrator is built once, with the
-constants as parameters; a run resets its state and time. The unit of time is |q|/|p| for the earth's geodesic, else 1.
-Errors are against the states by additions.
+Times are processor times, the least of several runs in turn with heyoka's. heyoka's integrator is built once, with the
+constants as parameters; a run resets its state and time. The unit of time is |q| where |q| > 1, as for the earth's
+geodesic, else 1. Errors are against the states by additions.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """Sensitivities compared with the variational equations, integrated by heyoka.
 
-Random balls (moments in 1 … 3, d in 0.2 … 3, |M| about 3) up to T = 10⁶, and one beside the separatrix. The
-equations (:mod:`tests.integrable.portrait.variational`) share no formula with the package. Up to moderate times they
-are integrated as a whole, in long doubles. For longer times they are integrated in doubles over stretches of two units
-of time, from the package's states, and the derivatives are multiplied. After each stretch S is corrected to satisfy the
-derivatives of the four integrals, since rounding errors there would grow with the square of time.
+Random balls (moments in 1 … 3, d in 0.2 … 3, |M| about 3) up to T = 10⁶, and one near the separatrix. The equations
+(:mod:`tests.integrable.portrait.variational`) share no formula with the package. Up to moderate times they are
+integrated as a whole, in long doubles. For longer times they are integrated in doubles over stretches of two units of
+time, from the package's states, and the matrices S of derivatives are multiplied. After each stretch S is corrected to
+satisfy the derivatives of the four integrals, since rounding errors there would grow with the square of time.
 
 ``jump`` is the largest difference of heyoka's state at the end of a stretch from the package's. ``gap`` is the largest
-difference of an element, relative to the largest element, and ``median`` that of the middle ball. ``own`` is the
+difference of an element, relative to the largest element, and ``median`` its median over the balls. ``own`` is the
 relative residual of ẋ(t) = S·ẋ(0) in the integration (``pip install 'jacobian-integrable[peers]'``).
 """
 
@@ -61,7 +61,7 @@ def _equations() -> Any:
 
 
 def _integrator() -> Any:
-    """(flow, T) ↦ the state (6,), S (6, 10), and a jump of 0."""
+    """A function from (flow, T) to the state, shape (6,), S, shape (6, 10), and the jump 0."""
     import heyoka as hy
 
     equations = _equations()
@@ -86,7 +86,9 @@ def _integrator() -> Any:
 
 
 def _chain() -> Any:
-    """(flow, T) ↦ the state (6,), S (6, 10), both by stretches, and the largest jump between two stretches."""
+    """A function from (flow, T) to the state, shape (6,), S, shape (6, 10), both by stretches, and the largest jump
+    between two stretches.
+    """
     import heyoka as hy
 
     begin = np.tile(np.array([1.0, 0, 0, 0, 1, 0]), 11)
@@ -96,7 +98,7 @@ def _chain() -> Any:
     )
 
     def stretches(flow: Any, starts: np.ndarray, length: float) -> np.ndarray:
-        """The tables (K, 11, 6) after ``length`` from states (K, 6)."""
+        """The states after ``length`` from ``starts``, shape (K, 6), and their ten derivatives: shape (K, 11, 6)."""
         stepper.pars[:] = np.array([*flow.system.inertia, flow.system.d])[:, None]
         found = np.empty((len(starts), 11, 6))
         for first in range(0, len(starts), LANES):
@@ -126,8 +128,8 @@ def _chain() -> Any:
 
 
 def _gradients() -> Any:
-    """(flow, states (K, 6)) ↦ the derivatives of γ², (γ, M), (M, ω) and M² by the state, (K, 4, 6), and (K, 4, 10) by
-    the ten inputs at a fixed state.
+    """A function from a flow and states, shape (K, 6), to the derivatives of γ², (γ, M), (M, ω) and M²: by the state,
+    shape (K, 4, 6), and by the ten inputs at a fixed state, shape (K, 4, 10).
     """
     import heyoka as hy
 

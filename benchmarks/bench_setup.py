@@ -1,7 +1,8 @@
-"""Time of a fresh flow to a first state far away: for bodies of every kind, near the separatrix, and against d.
+"""Times from a fresh flow to a first state at a distant time: bodies of every kind, near the separatrix, against d.
 
-Milliseconds of processor time, the least of several fresh flows in a warm process, from ``system.flow(state)`` to one
-state at t = 10⁶/|M|, with its way. ``python -m benchmarks.bench_setup --figure STEM`` draws the growth.
+Each row has the milliseconds of processor time from ``system.flow(state)`` to one state at t = 10⁶/|M|, and its way.
+The time is the least of several fresh flows in a warm process. ``python -m benchmarks.bench_setup --figure STEM`` draws
+the times against the distance from the separatrix and against d.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ from jacobian.errors import PrecisionLoss
 FAR = 1e6
 TICKS = (0.5, 1, 2, 4)
 SEPARATRIX, MASS = "H1/H2 over a₂, less 1", "d"
-# the styles of the ways in a picture, in the palette of all figures
+# the styles of the ways in the figure
 WAYS = ({"color": BLUE, "marker": "o"}, {"color": ORANGE, "marker": "s"}, {"color": INK, "marker": "^"})
 
 
 def run(smoke: bool) -> Rows:
-    """Rows (varied, value, ms, way): of bodies, then of distances from the separatrix and of d."""
+    """Rows (varied, value, ms, way) for bodies, distances from the separatrix, values of d, and deformations."""
     rows: Rows = []
     for varied, motions in (
         ("body", bodies()),
@@ -49,7 +50,7 @@ def bodies() -> Iterator[tuple[Any, tuple[System, Any]]]:
 
 
 def beside_the_separatrix() -> Iterator[tuple[Any, tuple[System, Any]]]:
-    """Pairs of ε and a motion beside the separatrix: M at the angle √ε from the middle axis, γ orthogonal to M."""
+    """Pairs of ε and a motion near the separatrix: M at the angle √ε from the middle axis, γ orthogonal to M."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     for k in range(1, 15):
         eps = 10.0**-k
@@ -70,7 +71,9 @@ def deformations() -> Iterator[tuple[str, tuple[Any, Any]]]:
 
 
 def cost(system: Any, state: Any, repeats: int) -> dict[str, Any]:
-    """The least time of a fresh flow to one state far away, and its way. There is no time if the flow is refused."""
+    """The least time from a fresh flow to one state at a distant time, and its way. If the flow refuses the motion, it
+    is the time until the exception.
+    """
     times = [FAR / float(np.linalg.norm(np.array(state.M, dtype=float)))]
     best = np.inf
     for _ in range(repeats + 1):

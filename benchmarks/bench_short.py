@@ -4,9 +4,9 @@ The first rows are the constants of the cost model of :mod:`integrable.motion.sh
 as they are ``kept`` there, and as they are ``measured`` here on each scene.
 
 The next rows are for fresh flows with a number of times up to T. They have the milliseconds of a short run of any
-length (a dash where its checks fail) and of the torus, the choice of "auto", and ``lost``, the time of that choice
-relative to the cheaper of the two. The model is right where little is lost, or where a torus takes up to twice as long.
-The last row says in how many cases the slower one was chosen, and the most that was lost.
+length (a dash where its checks fail) and of the torus, and the choice of "auto". ``lost`` is the time of that choice
+relative to the cheaper of the two. A choice is good if it loses little, or if it is a torus that takes at most twice as
+long. The last row says in how many cases the slower one was chosen, and the most that was lost.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from integrable.scene.file import load_scene
 
 SCENES = ("chaplygin", "euler_top", "thin_ball", "tilted_ball")
 TIMES, OUTPUTS = (1.0, 10.0, 100.0, 300.0, 1000.0, 3000.0), (1, 101, 2001, 6001)
-# the times at which the costs are measured: few panels and many, and far from the start
+# the times at which the costs are measured: with few panels, with many, and on the torus
 NEAR, FAR, TORUS = 1.0, 60.0, 1e4
 CONSTANTS = ("panel", "start", "torus set-up", "torus each")
 REPEATS = 15

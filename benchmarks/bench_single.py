@@ -2,10 +2,10 @@
 polynomials.
 
 Microseconds, the least of several samples; flint computes on its own objects, without conversions, and multiplies by
-doubling and adding. "call" is the compiled code called on bare coordinates, "kernel" the addition of triples. Until a
-group has done enough work for compiled code it runs "Python" or "converted", Cantor on python-flint with conversions of
-arguments and results. The rule of jacobian.addition.cantor_flint.pays, whose choice is "before", is read off these two.
-Results are compared first.
+doubling and adding. "call" is the compiled code called on bare coordinates, "kernel" the addition of triples (u, v, n).
+A group uses compiled code only after a certain amount of work. Until then it uses "Python" or "converted", which is
+Cantor's algorithm on python-flint with conversions of arguments and results. These two columns justify the rule of
+jacobian.addition.cantor_flint.pays, whose choice is in the column "before". Results are compared first.
 """
 
 from __future__ import annotations

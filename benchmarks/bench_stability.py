@@ -33,12 +33,12 @@ K = MP(60)
 STEPS = {"S1": (0.3, 1e-4), "S2": (0.3, 1e-4)}
 MOST_RESIDUAL = 1e-13
 RETRACTED = 16
-"""Additions between two corrections."""
+"""The number of additions between two corrections."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Curve, start and step at 60 digits: f ascending, (U, V) as (u0, u1, v0, v1); ``pairs`` as the flow's kernel."""
+    """A curve, a start and a step at 60 digits. The coefficients of f ascend; a divisor (U, V) is (u0, u1, v0, v1)."""
 
     name: str
     f: tuple[Any, ...]
@@ -94,7 +94,7 @@ def problem(name: str, eta: float) -> Problem:
     return Problem(name, f, tuple(system.a), (*D.u[:2], *D.v), (*E.u[:2], *E.v), group, (D, E))
 
 
-# --- ways of stepping: each yields (u0, u1, v0, v1) after the counts, or stops
+# --- methods of stepping: each yields (u0, u1, v0, v1) after each number of additions in ``counts``
 
 Way = Callable[[Problem, list[int]], Iterator[tuple[Any, ...]]]
 
@@ -120,8 +120,10 @@ def _classical(f: Any, point: Any, step: Any, count: int) -> Any:
 
 
 def _pairs_alone(a: Any, x: Any, y: Any, step: Any, roots: Any, count: int) -> None:
-    """Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i = −b3s'_iΓ_i + (b3a_i + β̃)Γ̃_i, (Γ̃, ñ) = 0: without f. x and y, Γ and n,
-    are replaced.
+    """Replaces Γ and n, held in x and y, ``count`` times by Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i) and
+    ñ_i = −b3s'_iΓ_i + (b3a_i + β̃)Γ̃_i, without f.
+
+    Here b3 is the leading coefficient of L, s'_i are the ``roots``, and β̃ is such that (Γ̃, ñ) = 0.
     """
     s0, s1, t0, t1 = step
     for _ in range(count):

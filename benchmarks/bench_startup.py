@@ -1,7 +1,7 @@
 """Start-up times in seconds, each the least of several runs in a fresh interpreter.
 
-"processor" is the processor time, which other processes disturb less; "above Python" the same without the start of
-Python itself. Compiling for the first time takes place with an empty cache.
+"processor" is the processor time, which other processes disturb less; "above Python" is the same less the start
+of Python itself. The first compilation runs with an empty cache.
 """
 
 from __future__ import annotations

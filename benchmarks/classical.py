@@ -1,4 +1,4 @@
-"""The textbook composition of two divisors of genus 2: one congruence, not both."""
+"""The textbook composition of two divisors of genus 2."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from typing import Any
 
 
 def classical(f: Any, first: Any, second: Any) -> tuple[Any, Any, Any, Any]:
-    """(u0, u1, v0, v1) of a sum on y² = f, deg f = 5: L ≡ (V' − V)/U modulo U' by Cramer's rule, U'' from the leading
-    coefficients of P² − f, V'' = −P modulo U''. ZeroDivisionError at D' = D.
+    """(u0, u1, v0, v1) of the sum of (U, V) and (U', V') on y² = f, deg f = 5. Cramer's rule gives L ≡ (V' − V)/U
+    modulo U'. With P = V + UL, U'' comes from the leading coefficients of P² − f, and V'' = −P modulo U''.
+    ZeroDivisionError if U and U' have a common zero.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second

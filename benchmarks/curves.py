@@ -1,4 +1,4 @@
-"""Curves and classes to measure on, the clock, and the C compiler."""
+"""Curves and divisors for benchmarks, measurement of times, and the C compiler."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LARGE_PRIME = 2**255 - 19
 
 
 def c_library(source: str, target: Path, *flags: str) -> ctypes.CDLL | None:
-    """A file of benchmarks/c compiled to ``target``, unless it is there; None without a compiler."""
+    """The library ``target``, compiled from a file of benchmarks/c unless it exists; None without a compiler."""
     compiler = shutil.which("cc")
     if compiler is None:
         return None
@@ -51,7 +51,7 @@ def genuine_curve(K: Any, genus: int, model: str, rng: Random) -> HyperellipticC
 
 
 def sum_of_points(C: HyperellipticCurve, rng: Random) -> Divisor:
-    """The class of g random points: of full weight, generic, and quick to make for any genus."""
+    """The class of g random points: a generic divisor that is quick to make for any genus."""
     divisor: Divisor = C.jacobian().from_points([C.random_point(rng) for _ in range(C.genus)])
     return divisor
 

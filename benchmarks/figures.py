@@ -20,7 +20,7 @@ def save(figure: Any, stem: Path) -> None:
 
 
 def command(description: str | None, run: Callable[[bool], Rows], draw: Callable[[Rows, Path], None]) -> None:
-    """Run one benchmark, print its table and draw it where ``--figure`` says."""
+    """Runs one benchmark, prints its table, and draws its figure if ``--figure`` is given."""
     parser = CommandParser(description=description)
     parser.add_argument("--figure", type=Path, help="draw to FIGURE.png and FIGURE.svg")
     parser.add_argument("--smoke", action="store_true")

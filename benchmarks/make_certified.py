@@ -1,6 +1,6 @@
 """Make the data set of certified trajectories: ``python -m benchmarks.make_certified [NAME ...]``.
 
-Motions at 50 times each, in balls of radius 10⁻³⁰ or less that contain them (``enclosure`` of their flows). Each
+The data set has motions at 50 times each, as balls of radius at most 10⁻³⁰ that contain them (``enclosure``). Each
 finished motion is written to ``build/certified/NAME.json``. The data set is made once all of these exist; an
 interrupted run can be resumed. A motion takes some ten seconds, one of DEFORMED a minute or two.
 """
@@ -32,7 +32,7 @@ DEFORMED = {"tilde": 3.0, "tilde_potential": 3.0, "tilde_poles": 3.0, "check": 3
 """Scenes whose equations of motion are enclosed (:mod:`integrable.deformations.enclosed`), and their last times."""
 RANDOM = 24
 TURNS = {True: 3.0, False: 1.0}
-"""The length of scenes and random motions, in turns of the body at its initial angular velocity."""
+"""The length of scenes (True) and of random motions (False), in turns of the body at its initial angular velocity."""
 
 
 def motions() -> dict[str, tuple[Any, Any, str]]:

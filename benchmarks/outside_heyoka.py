@@ -1,8 +1,9 @@
-"""heyoka as its own users run it, to compare with the report's: ``python benchmarks/outside_heyoka.py``.
+"""heyoka as its own users run it, to compare with the report's times: ``python benchmarks/outside_heyoka.py``.
 
 Nothing of ``integrable`` is imported. The equations of the scenes ``euler_top`` and ``neumann`` are written by hand,
 with constants as parameters, and each integrator is built once. A start sets state, parameters and time; then states at
-101 times up to T are computed. Prints the median time of both, in microseconds, and the last state's first component.
+101 times up to T are computed. The script prints the median time of a start with its states, in
+microseconds, and the last state's first component.
 ``python -m benchmarks heyoka`` puts the comparator's times beside these.
 """
 

@@ -1,9 +1,9 @@
 """Steps computed with more digits than their field has, for maps whose intermediate results lose digits.
 
-A translation near the identity has large coefficients. At a point x' near a branch point, f(x'), the square of the
-ordinate, is lost in rounding. The computation of a multiple loses digits at every doubling. The map itself is well
-conditioned: its image, computed with guard digits and rounded once, has an error of one rounding times the map's own
-condition.
+A translation near the identity has large coefficients. At a point x' near a branch point most digits of f(x'), the
+square of the ordinate, are lost to cancellation. The computation of a multiple loses digits at every doubling. The map
+itself is well conditioned: its image, computed with guard digits and rounded once, has an error of one rounding times
+the map's own condition.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ def with_enough_digits(step: Step, state: State) -> State:
         return step.plain(state)
     condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
-        # near a double point of the curve the addition of divisors loses more digits than the map does, and may raise
+        # near a double point of the curve the addition of divisors loses more digits than the condition says, and may
+        # raise
         with suppress(PrecisionLoss):
             image = step.plain(state)
             lost = drift(step.system, image, state)
@@ -154,7 +155,8 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
     """The images of a rotation about a principal axis, as limits of the images of nearby motions.
 
     The rotation's divisor contains the double point of its curve, where sums are not defined; divisors of nearby
-    motions do not. NotRepresentable if the images of two nearby motions differ, one with γ and one with M perturbed.
+    motions do not. NotRepresentable if two nearby motions, one with γ and one with M perturbed, have different
+    images.
     """
     K = step.system.field
     first, *_ = _digits(K, condition)

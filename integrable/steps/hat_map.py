@@ -23,8 +23,8 @@ class HatMap(Step):
     :func:`jacobian.relatives.signed.reflected` with the roots 2|Aw|/a_i.
 
     The map preserves the bracket, but not H1 and H2. It is the keyless map followed by the lift of A
-    (:mod:`integrable.phase.isometry`). :func:`integrable.phase.sphere.hat` is the map in the coordinates. ``signs`` are
-    the signs of the γ̂_i.
+    (:mod:`integrable.phase.isometry`). :func:`integrable.phase.sphere.hat` is the map in the coordinates (u, p).
+    ``signs`` are the signs of the γ̂_i.
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:

@@ -125,11 +125,11 @@ class Keyless(Move):
     """The map D ↦ D + (1/d, 0) − ∞, Tsiganov's chap-keyless. At d = 0 it is the step of order two along the pencil
     (:class:`ConicStep`).
 
-    The parabola P = V − λU passes through D and (1/d, 0). The other zeros of y − P are D's image, reflected
-    (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i), where σ_i are the ``signs``. So
-    (gγ_i, 2w_i), w = γ × M, is mapped to (2w_i/ρ_i, −ρ_igγ_i). The divisor is that of :meth:`System.torsion`, whose
-    image over the reals differs by the sign of γ. The image is real for every body. The map preserves the bracket; its
-    square maps (γ, M) to (−γ, M).
+    For one λ the parabola y = P(x), P = V − λU, passes through D and (1/d, 0). The other zeros of y − P are D's image,
+    reflected (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i), where σ_i are the
+    ``signs``. So (gγ_i, 2w_i), w = γ × M, is mapped to (2w_i/ρ_i, −ρ_igγ_i). :meth:`System.torsion` adds the same
+    divisor; over the reals its image differs in the sign of γ. The image is real for every body. The map preserves the
+    bracket; its square maps (γ, M) to (−γ, M).
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Abscissa = Value | complex | Callable[[Any, Any], Any]
 """A number, or a function of H1 and H2."""
 MOST_MULTIPLE = 10**100
-"""The largest multiple over RR and MP: it takes some seconds, in numbers of about 500 digits."""
+"""The largest multiple over RR and MP. Its computation takes some seconds, in numbers of about 500 digits."""
 
 
 class Step(Immutable):
@@ -27,7 +27,7 @@ class Step(Immutable):
 
     system: Any
     guarded = False
-    """Whether the step is run with guard digits by another step, which checks the result."""
+    """Whether the caller computes with guard digits and checks the result itself."""
 
     def __call__(self, state: State[Element]) -> State[Element]:
         """The image of a state."""
@@ -56,7 +56,9 @@ class Step(Immutable):
 
 
 class Composition(Step):
-    """``second`` after ``first``. It preserves whatever both preserve; the factors of their brackets multiply."""
+    """``second`` after ``first``. It preserves what both preserve. If they multiply the bracket by factors, it
+    multiplies the bracket by the product of these factors.
+    """
 
     def __init__(self, second: Step, first: Step) -> None:
         if second.system != first.system:

@@ -22,14 +22,14 @@ from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 # digits in addition to those of the field, so that a w (:class:`Shift`) of moderate size needs no second set-up
 SPARE = 8
 FARTHEST = 1e100
-"""The largest |w|, in units of the flow's own time. A call then still takes milliseconds."""
+"""The largest |w|, in units of the flow's own time. Even then a call takes only milliseconds."""
 
 
 class Shift(Move):
     """The time-1 map of the Hamiltonian F(H1, H2) for the bracket of :meth:`System.poisson`, in the flow's own time τ.
 
-    F is written with operators: ``lambda h1, h2: h1 * h2``; jets give its derivatives. F = H1/2 is the motion over
-    τ = 1. The map adds T(w), the translation with (Σ∫dx/y, Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2). It preserves the
+    F is written with Python's operators: ``lambda h1, h2: h1 * h2``; jets give its derivatives. F = H1/2 is the motion
+    over τ = 1. The map adds T(w), the translation with (Σ∫dx/y, Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2). It preserves the
     bracket and commutes with the motion in τ and with every other shift.
 
     The map runs over RR and MP only. The inputs are taken as exact, and all digits of the image are correct for any w.
@@ -83,7 +83,9 @@ class Shift(Move):
         return group.from_mumford(u, (K.coerce(v0 * size), K.coerce(v1 * size / top)))
 
     def _translation(self, state: State) -> tuple[Setup, Row | None]:
-        """The motion through a state, with enough digits for |w|, and T(w) in its bare reals; None for w = 0."""
+        """The set-up of the motion through a state, with enough digits for |w|, and T(w) in the bare reals of the
+        set-up. T(w) is None for w = 0.
+        """
         body = self.system.body
         least = (self.system.field.dps or EPS_DIGITS) + digits_of_closeness(body)
         digits = least + SPARE
@@ -139,5 +141,5 @@ def sum_of(setup: Setup, first: Any, second: Any) -> Row:
 
 
 def _top(setup: Setup) -> Any:
-    """The largest a_i, X, which is the unit of x."""
+    """X, the largest a_i, which is the unit of x."""
     return setup.problem.time_scale / (2 * setup.problem.momentum)

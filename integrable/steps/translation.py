@@ -32,9 +32,9 @@ class Translation(Step):
     """The map that adds the divisor [multiple](Σ (x_k, y_k) − points at infinity) to a state's divisor.
 
     ``points`` are one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
-    written with operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots √U'(a_i), which
-    decide the signs of γ. :meth:`System.translation` and :meth:`System.torsion` create translations. ``2 * step`` is
-    the double, ``-step`` the inverse, and ``@`` composes.
+    written with Python's operators. ``sheets`` are the signs of y_k = ±√f(x_k); ``signs`` are those of the roots
+    √U'(a_i), which decide the signs of γ. :meth:`System.translation` and :meth:`System.torsion` create translations.
+    ``2 * step`` is the double, ``-step`` the inverse, and ``@`` composes.
 
     H1 and H2 are always preserved. The bracket of :meth:`System.poisson` is preserved for points of fixed abscissa, the
     branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and their sums. A generic
@@ -104,8 +104,8 @@ class Translation(Step):
         return replaced(moved, _rounding=self._rounding, guarded=True)
 
     def condition(self, state: State) -> float:
-        """The amplification of rounding errors. Its causes are D' at a small distance δ from zero (1/δ), cancellation
-        in f(x') and between two points, and the multiple. The value is inf beyond the range of floats.
+        """The amplification of rounding errors. Its causes are a small distance δ of D' from zero (a factor of 1/δ),
+        cancellation in f(x') and between two points, and the multiple. The value is inf beyond the range of floats.
         """
         state = self.system._checked(state)
         if state.tilted:
@@ -120,7 +120,7 @@ class Translation(Step):
             found = float(min(1 / self.system.field.eps, LARGEST))
         except (OverflowError, ZeroDivisionError):
             found = inf
-        # partial multiples may come near special positions: at least a digit is lost at every doubling
+        # every doubling loses at least a digit, and partial multiples may come near special positions
         times = min(abs(self.multiple), LARGEST)
         return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
 

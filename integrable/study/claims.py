@@ -12,7 +12,7 @@ from integrable.study.findings import SCENE_FLOOR_FACTOR, Behind, Study
 __all__ = ["claims"]
 
 FAR = 10_000.0
-"""At single times from this one on, in time scales, the flow should be faster."""
+"""At single times of at least this many time scales the flow should be faster."""
 AHEAD = 0.97
 """The flow should be more accurate at equal run time than this fraction of the rows of methods in doubles."""
 

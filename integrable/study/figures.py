@@ -112,7 +112,7 @@ def _at_least_two_decades(axes: Any) -> None:
 
 
 def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
-    """Draws the runs of a method as a line. Runs of the flow are separate marks, each for another arithmetic."""
+    """Draws the runs of a method as a line. Runs of the flow are separate marks, each for a different arithmetic."""
     parts = [[c] for c in rows] if method in OWN else [rows] if rows else []
     for part in parts:
         setting = part[0]["row"]["setting"] if method in OWN else ""

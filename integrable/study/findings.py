@@ -25,7 +25,9 @@ the motion.
 SCENE_FLOOR_FACTOR = 10.0
 """The error of the flow in floats should be within this factor of the floor."""
 WRONG, WRONG_FLOORS = 1e-6, 1000.0
-"""An error in floats above the first number, and above the second times the floor, should have raised an exception."""
+"""The flow in floats should raise an exception rather than return a result whose error is above WRONG and above
+WRONG_FLOORS times the floor.
+"""
 OFF_LEVEL = 0.1
 """An error is said to be off the level set if an integral drifts by more than this fraction of the error."""
 LOST = 10.0
@@ -33,7 +35,7 @@ LOST = 10.0
 motion.
 """
 PLATEAU = 30.0
-"""Errors within this factor of a method's least error are rounding, and do not enter its slope."""
+"""Errors within this factor of a method's least error are taken as rounding, and do not enter its slope."""
 COARSE = 0.1
 """Errors above this are not asymptotic, and do not enter the slope."""
 
@@ -45,11 +47,11 @@ class Behind:
     scene: str
     row: dict[str, Any]
     flow_error: float | None
-    """The least error of the flow in at most the row's run time; None where no row of the flow is so fast."""
+    """The least error of the flow in at most the row's run time; None where no row of the flow is as fast."""
     first: dict[str, Any] | None
     """The fastest row of the flow, None where it has none."""
     overtaken: float | None
-    """The least run time in which the flow is at least as accurate; None where no row of the flow is."""
+    """The least run time in which the flow is at least as accurate as the row; None if it never is."""
 
     @property
     def cheaper(self) -> bool:
@@ -69,9 +71,9 @@ class Standing:
     """The other method's "total" and "error_gamma", "method" and "setting"; None where no method was accurate enough.
     """
     tried: dict[str, dict[str, Any]]
-    """For each method that was tried: its accuracy, what it was slower than, or its error message."""
+    """For each method that was tried: its error, the run time that it exceeded, or its error message."""
     strong: Sequence[str]
-    """Methods of which at least one must have run before the outcome can be "none"."""
+    """Methods of which at least one must have run before :attr:`outcome` can be "none"."""
 
     @property
     def ratio(self) -> float:
@@ -88,7 +90,7 @@ class Standing:
     def outcome(self) -> str:
         """The outcome of the comparison: "met", "slower", "none" or "stopped".
 
-        "met" means that another method is as accurate. "slower" means that none was, but some exceeded their time.
+        "met" means that another method is accurate enough. "slower" means that none was, but some exceeded their time.
         "none" means that methods of :attr:`strong` ran and none was accurate enough, "stopped" that they could not run.
         """
         if self.peer is not None:

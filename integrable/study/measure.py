@@ -75,8 +75,8 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
 
 
 def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
-    """For a motion (about ``most`` of the scene's times, including the last one, None); for an orbit (its last step, a
-    function that computes the orbit).
+    """The times and the function that ``conditioning`` takes. For a motion they are about ``most`` of the scene's
+    times, including the last one, and None. For an orbit they are its last step and a function that computes the orbit.
     """
     if scene.steps is None:
         times = scene.times.at(digits)
@@ -108,7 +108,7 @@ def flow_run(task: Task, tick: Tick) -> tuple[Data, Any]:
 
 
 def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
-    """The result of moving by successive additions of the pair {±iη}, the H1 flow to second order in η.
+    """The result of successive additions of the pair {±iη}. Each addition is the H1 flow to second order in η.
 
     The additions go from each τ of the scene's times to the next. These τ come from the truth, since the map has no
     physical time; so an error of the clock does not enter. Other systems move by steps of their own discretization.

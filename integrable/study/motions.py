@@ -1,5 +1,5 @@
-"""The report of one motion: the tasks of the scene's ``[report]``, measured in this process; the first is the run's own
-result.
+"""The report of one motion: the tasks of the scene's ``[report]``, measured in this process. The first task computes
+the run's own result.
 
 The ball and the top move by the divisor flow, systems of any genus by additions. The deformations move by their
 elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. Rows
@@ -84,7 +84,7 @@ class _Lines:
             self.watch.line(row_line(self._report(), row))
 
     def finished(self) -> Report:
-        """The report, completed by the parts that need no truth."""
+        """The finished report, with the check of the truth, the growth of the residual and the floor."""
         found = self.run.rest()
         check = self.run.truth(self.run.own.scene)["check"]
         report = replace(
@@ -237,7 +237,7 @@ class _Run:
         return Truth(task.scene, self.truth(task.scene))
 
     def rival(self, task: Task) -> Row:
-        """The row of SciPy's integrator; without figures, but with the reason, where it failed."""
+        """The row of SciPy's integrator. If the integrator failed, the row has the reason and no figures."""
         row = Row(task.method, task.setting, tolerance=task.value)
         if not installed("scipy"):
             with _pieces(task, self.tick):

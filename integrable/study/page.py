@@ -35,7 +35,9 @@ BUSY = 1.5
 """A load above this is not due to this study alone."""
 NO_OTHERS = "No row of another method was measured."
 ORDER_TOLERANCE = 0.5
-"""An observed order this near the order in theory agrees with it: few of the steps are in the asymptotic range."""
+"""An observed order agrees with the order in theory if they differ by at most this. The tolerance is wide because few
+of the steps are in the asymptotic range.
+"""
 
 
 def answer(study: Study) -> str:
@@ -61,7 +63,9 @@ def page(study: Study) -> str:
 
 
 def in_one_minute(study: Study) -> str:
-    """The summary: where the flow is faster and by how much, where other methods are, and where none is as accurate."""
+    """The summary: where the flow is faster and by how much, where other methods are faster, and where no other method
+    is as accurate.
+    """
     text = (
         "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
         "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
@@ -74,7 +78,7 @@ def in_one_minute(study: Study) -> str:
 
 
 def _summary(study: Study) -> list[tuple[str, ...]]:
-    """A row for each time T, after the head of the table: the number of scenes by outcome, and the ratios."""
+    """The head of the table, then a row for each time T with the numbers of scenes by outcome, and the ratios."""
     rows: list[tuple[str, ...]] = [
         (
             "at",

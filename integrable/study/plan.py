@@ -1,4 +1,4 @@
-"""The tasks of a measurement: each one scene × method × setting, with its limits.
+"""The tasks of a measurement. A task is one scene, one method and one setting, with limits.
 
 A study has for every scene its truth, its floor, the divisor flow, Bäcklund steps and every comparator
 (:func:`tasks_of`). The run of a scene has the tasks of :mod:`integrable.study.motions`. :mod:`integrable.study.measure`
@@ -40,7 +40,7 @@ __all__ = [
 
 FLOW = "divisor flow"
 STRONG = ("heyoka", "Taylor, compiled", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive", "SciPy DOP853, compiled")
-"""Methods of which at least one must have run before the outcome can be "none"."""
+"""Methods of which at least one must have run before the outcome of a comparison can be "none"."""
 BACKLUND = "Bäcklund steps"
 NOT_MEASURED = "not measured"
 """The status of a row for which the study's time did not suffice."""
@@ -120,7 +120,9 @@ class Task:
 
     @property
     def limit(self) -> float:
-        """Seconds after which the task is stopped. A task with both a truth and rivals has the time of both."""
+        """Seconds after which the task is stopped. A task that computes a truth and runs other methods has the time of
+        both.
+        """
         truth = self.limits.truth if self.kind in ("truth", "floor", "horizon") else 0.0
         return truth + (self.limits.task if self.kind not in ("truth", "floor") else 0.0)
 

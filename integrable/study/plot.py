@@ -46,13 +46,13 @@ STYLE = {
 LOWER = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 WIDTH = 7.2  # inches: the text width of a page
 CROWDED = 4.0
-"""Marks of one error whose run times differ by less than this factor have their labels at two heights."""
+"""Marks of equal error whose run times differ by less than this factor have their labels at two heights."""
 NEAR_THE_FLOOR = 3.0
-"""Decades above and below the line of rounding in which a mark is in the way of the line's label."""
+"""A mark within this many decades of the floor's line may cover the label of that line."""
 
 
 def look_of(method: str) -> dict[str, Any]:
-    """matplotlib's options for a method. The flow's marks are not joined, since each is for another arithmetic."""
+    """matplotlib's options for a method. The flow's marks are not joined, since each is for a different arithmetic."""
     colour, marker, filled = look(method)
     found: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in UNLIKE else 1.0}
     if not filled:
@@ -319,7 +319,7 @@ def orbit_error(report: OrbitReport) -> Figure:
     colours, markers = (BLUE, ORANGE, "#009E73", "#CC79A7", INK), "osD^v"
     for k, row in enumerate(report.rows):
         steps = np.array([n for n, _ in row.growth], dtype=float)
-        # the drawn value is the largest so far, so that a chance hit does not look like a recovery
+        # the drawn value is the largest so far, so that an error that is small by chance does not look like a recovery
         error = np.maximum.accumulate(np.array([e for _, e in row.growth]))
         shown = (steps > 0) & (error > 0)
         if shown.any():

@@ -81,7 +81,7 @@ class Report:
     """The method that computed the truth."""
     floor: tuple[float, float] | None = None
     """The effect on γ and on M/|M| of rounding the inputs to doubles (:mod:`integrable.motion.conditioning`); None
-    where the motion itself is integrated.
+    for a motion that an integrator computes.
     """
     letters: tuple[str, str] = ("γ", "M")
     """The names of the two halves of a state."""
@@ -134,7 +134,7 @@ _ORACLES = {
 
 
 def _notes(report: Report) -> list[str]:
-    """The reasons for rows without figures, without repetition."""
+    """The reasons why rows have no figures, each only once."""
     settings: dict[tuple[str, str], list[str]] = {}
     for row in report.rows:
         if row.note:
@@ -166,7 +166,7 @@ def _words(report: Report) -> list[str]:
 
 
 def opening(report: Report) -> list[str]:
-    """The lines of the table before its rows, laid out for the first row."""
+    """The lines before the rows: the title, the times and the head of the table."""
     first, last, count = report.times
     return [
         report.title,

@@ -28,14 +28,14 @@ PILOT = 2.0**-7
 """The length of an integrator's first trial, in time scales of the motion; trials predict the run time of a whole run.
 """
 ENOUGH = 0.1
-"""Each trial goes four times as far, until one takes this many seconds or is the whole run."""
+"""Each trial is four times as long as the one before, until a trial takes this many seconds or is the whole run."""
 FIRST = 15.0
 """Seconds that the first trial of a method may take, imports included."""
 NEAR = 30.0
 """A setting whose error exceeds this multiple of the allowed one did not fail by accumulated rounding alone."""
 MARGIN, CLOCK = 2.0, 0.01
-"""A run that takes this multiple of the fastest so far, and this many seconds, is not timed again; the time of a single
-shorter run is too uncertain.
+"""A run that takes more than MARGIN times as long as the fastest so far, and more than CLOCK seconds, is not timed
+again. The time of a single shorter run is too uncertain.
 """
 
 Data = dict[str, Any]
@@ -70,8 +70,8 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 def first_use(task: Task) -> tuple[float, float]:
     """The seconds that the flow in floats spends once per machine, and until its first answer, for a kind of system.
 
-    Both are measured at the flow's first use in this process, as for rivals. They include imports, and compiling or
-    loading compiled code.
+    Both are measured at the flow's first use in this process, as for the other methods. They include imports, and
+    compiling or loading compiled code.
     """
     begun = perf_counter()
     _compile_walks(task.scene)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["run"]
 
 OF_MOTION = ("sphere", "coordinates")
-"""Pictures that show the states, and no report."""
+"""Pictures that show only the states, and need no report."""
 
 
 def run(
@@ -45,7 +45,7 @@ def run(
     anything is computed. Pictures of the motion alone are written before any comparison.
 
     ``progress`` draws a bar on stderr. ``lines`` is called with each line of the report as soon as it is known; the
-    first is the run's own result. Parts that need a missing library are left out, with a MissingExtraWarning before
+    first row is the run's own result. Parts that need a missing library are left out, with a MissingExtraWarning before
     the computation.
     """
     scene, digits = _checked(scene, digits, out)

@@ -29,7 +29,7 @@ from jacobian.numbers.compiler import NoCacheWarning
 __all__ = ["ONE_RUN", "run_tasks"]
 
 ONE_RUN = timedelta(days=1)
-"""Timed rows further apart than this are not of one run."""
+"""Timed rows that are further apart than this belong to different runs."""
 _POLL = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -77,7 +77,7 @@ def run_tasks(
 
 
 def _kept(task: Task, store: Store) -> dict[str, Any] | None:
-    """The stored row of a task, or None. A timed row a day old does not count, since it is of another run."""
+    """The stored row of a task, or None. A timed row a day old does not count, since it belongs to another run."""
     content = store.read(task.key, task.stamp)
     if content is None or not task.timed:
         return content
@@ -117,7 +117,7 @@ def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any])
         content, task = worker.finished(), worker.task
         if content is not None and task is not None:
             content.setdefault("seconds", worker.elapsed)
-            content["commit"] = commit()  # found at this process's start: a worker may begin hours later
+            content["commit"] = commit()  # the commit at this process's start: a worker may begin hours later
             finished[task.key] = store.write(task.key, task.stamp, content)
             worker.let_go(store)
             done.append(task)
@@ -204,7 +204,7 @@ class _Worker:
 
 def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started, which would disturb the next tasks."""
-    if hasattr(os, "killpg"):  # Windows has no groups to kill
+    if hasattr(os, "killpg"):  # Windows has no process groups
         with suppress(ProcessLookupError, PermissionError):
             # a worker that leads no group belongs to the group of this process
             if os.getpgid(process.pid) == process.pid:
@@ -243,7 +243,7 @@ def _work(connection: Connection) -> None:
     end_with_parent()
     warnings.simplefilter("ignore", NoCacheWarning)  # the parent has printed this warning
     warnings.simplefilter("ignore", RuntimeWarning)  # a comparator's values may overflow; its row says so
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows nothing else keeps the interrupt from this process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows only this keeps Ctrl-C from the process
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     used: set[tuple[str, str]] = set()

@@ -38,7 +38,7 @@ DIGITS = (40, 60, 100)
 """Digits of the truth of a study: the first of these that resolves the motion."""
 CHECK_DIGITS = 30
 PART = 20
-"""States of the truth that are computed between two steps of the progress bar."""
+"""The number of states of the truth that are computed between two steps of the progress bar."""
 ADDITIONS = "additions"
 """The method of the systems of :mod:`integrable.classical`."""
 COLLOCATED, STEPS_OF_A_SCALE = "Gauss collocation", 4
@@ -153,7 +153,9 @@ def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fr
 
 
 def moved_by(system: Any) -> str:
-    """The method that moves a system: divisors on one curve, on two elliptic curves, or its equations of motion."""
+    """The name of the method that computes a system's motion: divisors on one curve, additions, two elliptic curves, or
+    integration of the equations of motion.
+    """
     if is_body(system):
         return "divisor flow"
     if isinstance(system, ClassicalSystem):
@@ -162,8 +164,8 @@ def moved_by(system: Any) -> str:
 
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
-    """γ and M at one time, shapes (1, 3), by the integrator ``by``; all integrators except the Taylor series carry ten
-    more digits.
+    """γ and M at one time, shapes (1, 3), by the integrator ``by``; all integrators except the Taylor series compute
+    with ten more digits.
     """
     from integrable.deformations.equations import right_hand_sides
     from integrable.deformations.integrated import IntegratedMotion
@@ -188,7 +190,7 @@ def _states(found: Any) -> tuple[Any, Any]:
 
 
 class Judge:
-    """The reference for errors: states of a motion or orbit, in rows of γ and of M, and the exact start's integrals."""
+    """The reference for errors: states of a motion or orbit, in rows of γ and of M, and the integrals of the start."""
 
     def __init__(self, system: Any, state: State, gamma: Any, M: Any) -> None:
         self.system, self.state = system, state

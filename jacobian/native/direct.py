@@ -158,7 +158,9 @@ _new.restype, _new.argtypes = ctypes.py_object, [ctypes.POINTER(_Definition), ct
 
 
 class Method:
-    """An entry of objects: called with the leading arguments, it returns a function of the other arguments."""
+    """An entry that reads Python's objects (:class:`Objects`). Called with the leading arguments, it returns a function
+    of the other arguments.
+    """
 
     def __init__(self, entry: Any, name: str, letters: str, words_of: Any) -> None:
         self._entry, self._letters, self._words_of = entry, letters, words_of

@@ -251,7 +251,7 @@ class Expressions(Operators):
             raise CompileError(f"an item of {row.kind}")
         if index.is_known:
             return row.item(index.known())
-        # the items of a tuple with a variable index are of one kind
+        # with a variable index, all items are converted to the kind of the first
         found, choose = row.item(0), self.chosen
         if is_abreast(index.kind):
             found, choose = self.cast(found, abreast(found.kind)), self.blended

@@ -16,7 +16,7 @@ from jacobian.native.code import LANES, TWO
 
 
 class CompileError(TypeError):
-    """A loop contains something that cannot be compiled, or is called with kinds that it does not accept."""
+    """Raised if a loop contains something that cannot be compiled, or gets arguments of kinds that it does not take."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,8 @@ def single(kind: Any) -> Any:
 @dataclass(frozen=True)
 class ArrayKind:
     """A C-contiguous array. ``item`` is the kind of its items: floats, integers, longs, double-doubles or complex
-    numbers. An item takes ``parts`` words; an integer in fewer bytes has the NumPy type ``stored``."""
+    numbers. An item takes ``parts`` words; ``stored`` is the NumPy type of integers of fewer than 8 bytes.
+    """
 
     item: Kind
     ndim: int = 1
@@ -133,7 +134,7 @@ class TupleKind:
         return None if self.plain else tuple(map(form_of, self.items))
 
     def place(self, index: int) -> tuple[Any, int, int]:
-        """(kind, begin, end) of an item, whose scalars are the tuple's scalars number begin to end − 1."""
+        """(kind, begin, end) of an item, whose scalars are those of the tuple with the indices begin to end − 1."""
         if not -len(self.items) <= index < len(self.items):
             raise CompileError(f"index {index} of a tuple of {len(self.items)}")
         index %= len(self.items)

@@ -244,7 +244,7 @@ class Operators(Code):
         """:meth:`binary` for integers; quotients are rounded down, as in Python."""
         word, bit = self.types.word, self.types.bit
         if name in ARITHMETIC:
-            # nsw: overflow never occurs in an index, and LLVM then vectorises loops over indices
+            # nsw (no signed wrap): indices never overflow, and LLVM can then vectorise loops over them
             return self.write(f"{ARITHMETIC[name]} nsw {word} {x}, {y}")
         if name in BITS:
             return self.write(f"{BITS[name]} {word} {x}, {y}")
@@ -358,7 +358,7 @@ class Operators(Code):
         return Value(INT, (self.write(f"call {word} @{name}({double} {self.float_of(x)})"),))
 
     def frexp(self, x: Value) -> Value:
-        """The pair (mantissa, exponent) of x, as of ``math.frexp``."""
+        """The pair (mantissa, exponent) of x, as ``math.frexp`` returns it."""
         slot = self.slot("i32")
         mantissa = self.write(f"call double @frexp(double {self.float_of(x)}, ptr {slot})")
         exponent = self.write(f"load i32, ptr {slot}")

@@ -44,7 +44,8 @@ class Statements(Expressions):
         self.kinds: dict[str, Any] = {}
         self.result: Any = None
         self.loops: list[list[str]] = []
-        """For each open loop the labels that continue and break jump to; a third entry once a break has been seen."""
+        """For each open loop the labels to which continue and break jump. A third entry marks that it contains a break.
+        """
         self.open = True
         self.mask: str | None = None
         self.branches = 0

@@ -69,8 +69,8 @@ def quotient(b: Operators, x: Value, y: Value) -> Value:
 def rest(b: Operators, K: Value, x: Value, y: Value) -> Value:
     """xy modulo p on floats, as xy − qp, where q is the integer nearest to the rounded xy/p.
 
-    With h the rounded product, l = xy − h and h − qp are exact, the first by the fused product, the second because it
-    is a small integer. No instruction may be contracted with another.
+    Let h be the rounded product. A fused multiply-add computes l = xy − h exactly, and another h − qp, which is a small
+    integer. LLVM may not contract these instructions with others.
     """
     p, reciprocal = K.parts[0], K.parts[1]
     first, second = (b.cast(z, FLOAT).parts[0] for z in (x, y))

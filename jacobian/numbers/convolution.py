@@ -34,7 +34,7 @@ class Convolutions:
         # an entry of the convolution is a sum of at most longest/2 products, each of size at most (p/2)²
         count = 2 if longest * p * p < 4 * primes[0] * primes[1] else 3
         self.used = list(PRIMES.items())[:count]
-        # a shorter transform uses the first of these factors
+        # a shorter transform uses only the first part of these factors
         self.down = [_factors(loops, q, g, longest) for q, g in self.used]
         self.up = [_factors(loops, q, pow(g, -1, q), longest) for q, g in self.used]
 

@@ -17,14 +17,14 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
-# a number with at most this many bits, and an exponent of at most this size, lies well inside the range of floats, and
-# so does its remainder after the high part
+# a number of fewer bits than this, with an exponent of smaller size, lies well inside the range of floats, and so does
+# its difference from the nearest float
 MOST_BITS = 440
 # integers of smaller size are exact as floats
 EXACT = 1 << 53
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
-# the factor that splits a float into two halves of its digits (Veltkamp)
+# Veltkamp's factor, which splits a float into two floats of half as many digits
 HALVER = 2.0**27 + 1
 
 

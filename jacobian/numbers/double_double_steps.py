@@ -3,9 +3,9 @@
 Without underflow and overflow the relative errors are at most, with u = 2^-53: sum 3u² + 13u³, product 4u², quotient
 9.8u² (Joldes, Muller & Popescu 2017, algorithms 6, 12, 18; product: Muller & Rideau 2022). If y is a float, the bounds
 of x + y, xy, x/y are 2u², 2u², 3u² (algorithms 4, 9, 15). The bound of the square root is 25u²/8 (Lefèvre, Louvet,
-Muller, Picot & Rideau 2023, algorithm SQRTDWtoDW). The error-free sums are Knuth's (two_sum) and Dekker's; the product
-is by fused multiplication (Hida, Li & Bailey 2001). No instruction may carry a fast-math flag, which would take the
-error terms for zero.
+Muller, Picot & Rideau 2023, algorithm SQRTDWtoDW). The error-free sums are Knuth's (two_sum) and Dekker's
+(fast_two_sum); the error-free product is by a fused multiply-add (Hida, Li & Bailey 2001). No instruction may have a
+fast-math flag, with which LLVM would replace the error terms by zero.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Real numbers of many digits for long loops: gmpy2's mpfr, and python-flint's balls where a bound is wanted.
+"""Real numbers of many digits for long loops: gmpy2's mpfr, and python-flint's balls where an error bound is needed.
 
 An operation of 30 to 200 digits takes 0.1 to 0.3 µs on mpfr, 0.1 to 0.4 µs on arb and 1 to 3 µs on mpmath's mpf. The
 mpfr type rounds, and keeps its precision in a context of the thread. The arb type carries an error bound that widens,
-and keeps its precision in one context of the process. So numbers are mpfr, and balls serve enclosures only.
+and keeps its precision in one context of the process. So this package computes with mpfr, and uses arb
+for enclosures only.
 """
 
 from __future__ import annotations

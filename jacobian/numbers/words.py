@@ -21,13 +21,13 @@ Bounds: a word is at most 4·p on Lazy (p < 2^(w−3)) and p on Wide (p < 2^(w�
 most 2·p² on Wide and 32·p² on Lazy. The result is a word only if they add up to at most p² on Wide and 28·p² on Lazy.
 Running a formula on intervals proves that it keeps these bounds (``tests/jacobian/numbers/word_bounds.py``).
 
-For p < 2^49 a fifth context, :class:`Double`, keeps residues as floats: two fused multiplications and a rounded
-quotient give the remainder of a product exactly. SIMD instructions do this for eight products at once; for
-products of 64-bit words there are none. Each product of a dot is reduced on its own. A product must be below 16·p² and
+For p < 2^49 a fifth context, :class:`Double`, keeps residues as floats: two fused multiply-adds and a rounded
+quotient give the remainder of a product exactly. SIMD instructions do this for eight products at once; no SIMD
+instruction multiplies 64-bit words. Each product of a dot is reduced on its own. A product must be below 16·p² and
 a sum below 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
 
-The contexts also run on Python ints, exactly; :mod:`jacobian.native` compiles them as they stand, but for the
-instructions of :mod:`jacobian.native.words`. Importing this module does not import numpy.
+The contexts also run on Python ints, exactly; :mod:`jacobian.native` compiles them as they stand, except for the
+functions that :mod:`jacobian.native.words` replaces by instructions. Importing this module does not import numpy.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ class Double(SingleProducts, namedtuple("Double", "p reciprocal one half")):
         return a - self.p * (a > self.half)
 
     def product(self, x: float, y: float) -> float:
-        """A residue of xy: the canonical one in Python, another one in compiled code, by fused multiplications."""
+        """A residue of xy: the canonical one in Python. Compiled code computes another one by fused multiply-adds."""
         return float(self.balanced(int(x) * int(y) % int(self.p)))
 
     def add(self, x: float, y: float) -> float:

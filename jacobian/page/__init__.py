@@ -1,1 +1,1 @@
-"""What is known of a curve over QQ, on one page."""
+"""A page about a curve over QQ: invariants, points, torsion, periods, endomorphisms."""

@@ -1,4 +1,4 @@
-"""``python -m jacobian page``: what is known of a curve over QQ."""
+"""``python -m jacobian page`` prints a page about a curve over QQ."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ MOST_HEIGHT, MOST_DIGITS = 10_000, 200
 
 
 class Limits(NamedTuple):
-    """Limits of the search: primes, the height of x of rational points, digits of real numbers."""
+    """Limits: the bound of primes, the height of the abscissas of rational points, the digits of real numbers."""
 
     bound: int
     height: int
@@ -42,11 +42,11 @@ class Limits(NamedTuple):
 
 
 def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
-    """What is known of a curve over QQ, in any genus, as far as this package computes it.
+    """A page about a curve over QQ of any genus: invariants, points, torsion, periods, endomorphisms.
 
-    ``bound``: the bound of the primes of L-polynomials, from 64 on; ``height``: the largest height of x of rational
-    points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line that could not be computed
-    contains the error message. FieldError over other fields.
+    ``bound``: the bound of the primes of L-polynomials, from 64 on; ``height``: the largest height of the abscissas of
+    rational points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line that could not be
+    computed contains the error message. FieldError over other fields.
     """
     if check_curve(C).field != QQ:
         raise FieldError(f"field = {C.field.name}: the page of a curve is that of a curve over QQ")
@@ -262,7 +262,7 @@ def _endomorphisms(choose: Callable[[Seen], Algebra]) -> Ask:
 
 
 def _sato_tate(facts: Facts) -> Answer | None:
-    """The Sato–Tate groups with the endomorphisms found, sorted by how well they fit the L-polynomials."""
+    """The Sato–Tate groups that agree with the endomorphisms, sorted by how well they fit the L-polynomials."""
     genus, found = facts.curve.genus, facts.seen
     if genus > 2:
         return None

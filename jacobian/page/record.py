@@ -35,7 +35,9 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True)
 class Page:
-    """What is known of ``curve``, line by line: ``page["torsion"]``; it prints as text and is a table in notebooks."""
+    """A page about ``curve``; ``page["torsion"]`` is one of its lines. The page prints as text, and notebooks
+    show it as a table.
+    """
 
     curve: HyperellipticCurve
     lines: tuple[Line, ...]
