@@ -47,9 +47,9 @@ PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # of the second walk. The error is estimated as SPARE times the difference of the walks: of 3,600 walks of eccentric
 # orbits in a galaxy 6 had more than twice this error, and with COARSER = 3 there were 22
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 3.5
-# for a tolerance of 1e-12 steps in floats are tried at times of at most this many first steps: Neumann's point misses it
-# by 600 of them, the Toda lattice has lost 1e-13 after 480 (python -m benchmarks near). Their rounding errors grow as
-# the 3/2 power of the number of steps
+# for a tolerance of 1e-12, steps in floats are tried at times of at most this many first steps: Neumann's point misses
+# it by 600 of them, the Toda lattice has lost 1e-13 after 480 (python -m benchmarks near). Their rounding errors grow
+# as the 3/2 power of the number of steps
 FARTHEST_IN_FLOATS = 500.0
 
 
