@@ -73,7 +73,7 @@ class Jacobian(FiniteGroup[Element]):
     def compile(self) -> None:
         """Adds with compiled code from now on, if there is any for the field (:mod:`jacobian.addition.choice`).
 
-        Compilation happens automatically after some work; call this method to wait for it now. After ``python -m
+        Compilation happens automatically after some work; this method compiles now. After ``python -m
         jacobian compile`` the wait is about a second.
         """
         chosen = compiled_kernel(self._model) if self.field.exact else None

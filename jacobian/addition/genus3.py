@@ -3,10 +3,11 @@
 Let D = (U, V) with U = x³ + a₂x² + a₁x + a₀, V = b₂x² + b₁x + b₀, and D' = (U', V') likewise. The quintic ℓ = V + U·s,
 s of degree 2, passes through both. It meets the curve in four more points, over the roots of u' = (ℓ² − f)/(UU's₂²).
 The cubic v' = −ℓ modulo u' passes through their opposites and, in degree 7, meets the curve in three more points. The
-opposites of these three form the sum: u = (f − v'²)/u', v = −v' modulo u. In degree 8 let c be the leading coefficient
-of y at ∞₊. The quartic c·u' − v' passes through the four points, and meets the curve at ∞₊ and in three more points,
-which form the sum. This is the step at infinity of Galbraith, Harrison and Mireles Morales (2008); it takes a second
-inversion.
+opposites of these three form the sum: u = (f − v'²)/u', v = −v' modulo u.
+
+In degree 8 let c be the leading coefficient of y at ∞₊. The quartic c·u' − v' passes through the four points, and meets
+the curve at ∞₊ and in three more points, which form the sum. This is the step at infinity of Galbraith, Harrison and
+Mireles Morales (2008); it takes a second inversion.
 
 Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
 Wollinger and Gong 2007 order such steps so that one inversion is enough: that of the resultant times the leading
