@@ -46,8 +46,8 @@ class Jacobian(FiniteGroup[Element]):
 
     Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
     :mod:`jacobian.inexact.composition`. Divisors of a ramified model whose equation has formal degree 2g+2 are added on
-    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus divisors
-    have no representation (NotRepresentable), but the order is known.
+    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
+    divisors have no representation (NotRepresentable), but the order of the group can be computed.
     """
 
     _sum_of: Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
@@ -191,9 +191,8 @@ class Jacobian(FiniteGroup[Element]):
     def random(self, rng: Rng | None = None, size: int | None = None) -> Divisor[Element] | DivisorArray[Element]:
         """A random class: uniform in the group over a finite field, the sum of g random points elsewhere.
 
-        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes. Without ``rng``
-        every call gives another class. ``size``: the number of classes, returned as a
-        :class:`jacobian.batch.DivisorArray`.
+        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes. Without ``rng`` every call gives
+        another class. ``size``: the number of classes, returned as a :class:`jacobian.batch.DivisorArray`.
         """
         self._check_representable()
         if rng is None:

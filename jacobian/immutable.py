@@ -1,4 +1,4 @@
-"""Immutable values: the base of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
+"""Immutable values: the base class of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
 
 Curves that compare equal must stay equal, since divisors on equal curves are added. A cached value
 (``functools.cached_property``) must stay valid for the numbers it was computed from.
@@ -31,7 +31,7 @@ class Immutable:
     by their descriptors or by ``object.__setattr__``.
     """
 
-    # the flag is not in __dict__, which would make later reads slower
+    # the flag is a slot: a temporary entry of __dict__ would make later reads of attributes slower
     __slots__ = ("_open",)
     _caches: ClassVar[tuple[str, ...]] = ()
 

@@ -103,7 +103,7 @@ def _say() -> None:
         # another thread is writing the line, which must not be cut off
         _Standing.silent.acquire(timeout=SAYING)
         return
-    # the line replaces a progress bar
+    # this clears the terminal's line, which may show a progress bar
     clear = "\r\x1b[K" if os.isatty(2) else ""
     try:
         os.write(2, f"{clear}{_Standing.name}: interrupted\n".encode())

@@ -47,7 +47,7 @@ COLD = 300_000
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """READY and COLD over GF(2^n), where additions in Python take longer."""
 SHARE = 64
-"""A group reports its additions in portions of this size. For fewer additions it does not need a compiled kernel."""
+"""A group reports its additions in portions of this size. For fewer additions no compiled kernel is needed."""
 
 Addition = Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
 Doubling = Callable[[cantor.Triple], cantor.Triple]

@@ -96,7 +96,7 @@ class CurveQuestions(Immutable, Generic[Element]):
         if d is None:
             if K.order is None:
                 raise ArgumentError(f"d = None: over {K.name} there are many twists, say which")
-            # in characteristic 2, d must have trace 1; the trace is linear, so the first such element is some a^k. In
+            # in characteristic 2, d must have trace 1; the trace is linear, so the first such element is a power of a. In
             # odd characteristic and even degree, all elements of the prime field are squares
             odd = range(1 if K.degree % 2 else K.characteristic, K.order)
             first = (1 << k for k in range(K.degree)) if even else odd
