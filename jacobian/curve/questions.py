@@ -96,8 +96,8 @@ class CurveQuestions(Immutable, Generic[Element]):
         if d is None:
             if K.order is None:
                 raise ArgumentError(f"d = None: over {K.name} there are many twists, say which")
-            # in characteristic 2, d must have trace 1; the trace is linear, so the first such element is a power of a. In
-            # odd characteristic and even degree, all elements of the prime field are squares
+            # in characteristic 2, d must have trace 1; the trace is linear, so the first such element is a power of a.
+            # In odd characteristic and even degree, all elements of the prime field are squares
             odd = range(1 if K.degree % 2 else K.characteristic, K.order)
             first = (1 << k for k in range(K.degree)) if even else odd
             d = next(x for x in map(K.element, first) if not self._twists_nothing(x))
