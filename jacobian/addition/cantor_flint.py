@@ -38,7 +38,7 @@ def pays(C: HyperellipticCurve) -> bool:
 
 
 class FlintCantor:
-    """Addition and doubling of reduced triples on one curve, its own ``arithmetic_model``, over an exact field."""
+    """Addition and doubling of reduced triples on a curve that is its own ``arithmetic_model``, over an exact field."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         self._into, self._back = conversions(C.field)

@@ -142,7 +142,7 @@ def has_two_words(K: Field[Any]) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, its own ``arithmetic_model``; None if none exists or compilation is off."""
+    """The compiled kernel for a C that is its own ``arithmetic_model``; None if none exists or compilation is off."""
     if interpreted() or not (is_word_sized(C) or is_two_words_long(C)):
         return None
     from jacobian.addition.calls import TwoWordKernel, word_kernel

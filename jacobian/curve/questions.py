@@ -78,8 +78,8 @@ class CurveQuestions(Immutable, Generic[Element]):
         return reduced
 
     def bad_primes(self) -> list[int]:
-        """The primes at which :meth:`change_ring` refuses this equation over QQ, ascending: those in denominators, and
-        those that make it singular.
+        """The primes at which :meth:`change_ring` refuses this equation over QQ, ascending: those that divide a
+        denominator, and those at which it is singular.
         """
         return self.jacobian().bad_primes()
 
