@@ -94,7 +94,7 @@ if not TYPE_CHECKING:
     # ``__getattr__`` is hidden from type checkers, which would otherwise accept any misspelt name
 
     def __getattr__(name: str) -> Any:
-        # names are imported on first use, so that a command answers Ctrl-C before anything else is imported
+        # names are imported on first use, so that a command can handle Ctrl-C before its imports
         from importlib import import_module
         from importlib.util import find_spec
 

@@ -27,11 +27,13 @@ from jacobian.relatives import pseudo_sums
 
 BINARY: tuple[Any, ...] = (BinaryTable, BinaryWord, BinaryTwoWords)
 ON_ROWS: tuple[Any, ...] = (Wide32, Wide64, OddTable, TwoWords, *BINARY)
-"""The contexts of the loops on rows. Sums by explicit formulas are compiled for further contexts too."""
+"""The contexts (constants of the arithmetic of a class of fields) for which the loops on rows are compiled. Sums by
+explicit formulas are compiled for further contexts too.
+"""
 
 
 def equations(context: Any) -> tuple[Any, ...]:
-    """The equations of :mod:`jacobian.addition.short` over the fields of a context."""
+    """The classes of :mod:`jacobian.addition.short` that occur over the fields of a context."""
     if context in BINARY:
         return BinaryQuintic, BinarySextic
     return (Quintic, Sextic) if context in (OddTable, Double) else (Quintic, Sextic, Septic)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Element = TypeVar("Element", default=Any)
     Other = TypeVar("Other", default=Any)
-    # a ball or a top is over the reals where no field is given
+    # where no field is given, the coordinates of a ball or a top are floats
     Coordinate = TypeVar("Coordinate", default=float)
 else:
     # before Python 3.13 type variables have no defaults; only type checkers need them
@@ -135,9 +135,9 @@ Number = SupportsFloat | SupportsComplex | SupportsIndex
 """A number of Python, numpy, mpmath, gmpy2, python-flint or PARI."""
 Numbers: TypeAlias = "Number | Iterable[Number]"
 Value = Number | str
-"""What a field reads: a number, or a string such as "1/3" and "0.25"."""
+"""The arguments that a field reads: a number, or a string such as "1/3" or "0.25"."""
 Coefficients: TypeAlias = "Iterable[Value | Sequence[Value]] | Polynomial"
-"""What is read as a polynomial; an element of GF(p^k) may be a sequence."""
+"""The arguments that are read as polynomials; a coefficient in GF(p^k) may itself be a sequence."""
 File: TypeAlias = "str | PathLike[str]"
 Table: TypeAlias = "Iterable[Value | Iterable[Value]]"
 """A vector, or a matrix by its rows."""

@@ -21,7 +21,7 @@ SHOWN = 200
 ENDS = 8
 """The number of digits shown at each end of an int with more than SHOWN digits."""
 MOST_ENTRIES = 10_000_000
-"""The largest number of entries taken from an iterator, against endless generators. numpy arrays may be longer."""
+"""The largest number of entries taken from an iterator, a limit for endless generators. numpy arrays may be longer."""
 
 
 class JacobianError(ValueError):
@@ -152,12 +152,12 @@ def several(which: Any) -> bool:
     try:
         return isinstance(which, slice) or np.ndim(which) > 0
     except ValueError:
-        # numpy refuses lists of different lengths, which are several items
+        # numpy refuses nested lists of different lengths; they select several items
         return True
 
 
 def chosen(which: Any, count: int) -> Any:
-    """``which`` as a selection from ``count`` items, a slice or an array of ints or truth values; or ArgumentError."""
+    """The selection ``which`` from ``count`` items, a slice or an array of ints or truth values; else ArgumentError."""
     if isinstance(which, slice):
         return which
     import numpy as np
@@ -235,7 +235,7 @@ def written(number: Any) -> str:
 
 
 def _digits(n: int) -> str:
-    # log₂ 10 > 3.3, so that this int has at most SHOWN digits
+    # since log₂ 10 > 3.3, this int has at most SHOWN digits
     if n.bit_length() < 3.3 * SHOWN:
         return str(n)
     from gmpy2 import mpz

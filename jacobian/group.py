@@ -46,8 +46,8 @@ class Jacobian(FiniteGroup[Element]):
 
     Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
     :mod:`jacobian.inexact.composition`. Divisors of a ramified model whose equation has formal degree 2g+2 are added on
-    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus divisors
-    have no representation (NotRepresentable), but the order is known.
+    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
+    divisors have no representation (NotRepresentable), but the order of the group can be computed.
     """
 
     _sum_of: Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
@@ -66,14 +66,14 @@ class Jacobian(FiniteGroup[Element]):
             self._adopt(kernel(model, self._adopt))
 
     def _adopt(self, chosen: Kernel) -> None:
-        """Adds with this kernel from now on. The first kernel calls this function again when it finds a better one."""
+        """Adds with this kernel from now on. The first kernel calls this function with a compiled one to replace it."""
         for name, function in zip(("_sum_of", "_double", "_multiple"), chosen, strict=True):
             object.__setattr__(self, name, function)
 
     def compile(self) -> None:
-        """Adds with compiled code from now on, where the field has it (:mod:`jacobian.addition.choice`).
+        """Adds with compiled code from now on, if there is any for the field (:mod:`jacobian.addition.choice`).
 
-        Compilation happens automatically after some work; call this method to wait for it now. After ``python -m
+        Compilation happens automatically after some work; this method compiles now. After ``python -m
         jacobian compile`` the wait is about a second.
         """
         chosen = compiled_kernel(self._model) if self.field.exact else None
@@ -144,13 +144,13 @@ class Jacobian(FiniteGroup[Element]):
         multiplicities: Iterable[int] | None = None,
         extension: Field[Element] | None = None,
     ) -> Divisor[Element]:
-        """The class of Σ P_i minus as many points at infinity. The points are pairs (x, y) and points at infinity,
-        repeated or with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each point must
-        then come with all its conjugates.
+        """The class of Σ P_i minus the same number of points at infinity. The P_i are pairs (x, y) and points at
+        infinity, repeated or with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each
+        point must then come with all its conjugates.
 
         For r points, r·∞ is subtracted on a ramified model, and ⌊r/2⌋(∞₊+∞₋) on a split one. If r is odd on a split
-        model, the ∞₋ or ∞₊ that leaves the weight ⌈(g−r)/2⌉ at ∞₊ is subtracted too. An inert model needs an even r
-        (else NotRepresentable).
+        model, one of ∞₊ and ∞₋ is subtracted too, such that the weight at ∞₊ becomes ⌈(g−r)/2⌉. An inert model needs an
+        even r (else NotRepresentable).
         """
         self._check_representable()
         from jacobian.law.from_points import divisor_of_points, repeated
@@ -191,8 +191,8 @@ class Jacobian(FiniteGroup[Element]):
     def random(self, rng: Rng | None = None, size: int | None = None) -> Divisor[Element] | DivisorArray[Element]:
         """A random class: uniform in the group over a finite field, the sum of g random points elsewhere.
 
-        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes, and without one every call
-        differs. ``size``: return that many, as a :class:`jacobian.batch.DivisorArray`.
+        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes. Without ``rng`` every call gives
+        another class. ``size``: the number of classes, returned as a :class:`jacobian.batch.DivisorArray`.
         """
         self._check_representable()
         if rng is None:

@@ -1,4 +1,4 @@
-"""Immutable values: the base of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
+"""Immutable values: the base class of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
 
 Curves that compare equal must stay equal, since divisors on equal curves are added. A cached value
 (``functools.cached_property``) must stay valid for the numbers it was computed from.
@@ -31,7 +31,7 @@ class Immutable:
     by their descriptors or by ``object.__setattr__``.
     """
 
-    # the flag is not in __dict__, which would make later reads slower
+    # the flag is a slot: a temporary entry of __dict__ would make later reads of attributes slower
     __slots__ = ("_open",)
     _caches: ClassVar[tuple[str, ...]] = ()
 
@@ -49,7 +49,7 @@ class Immutable:
         raise AttributeError(_refusal(self, name, "deleted"))
 
     def _value(self) -> tuple[object, ...]:
-        """The data that define the value among those of its type: by default all its attributes."""
+        """The data that distinguish this value from others of its type: by default all attributes except caches."""
         return tuple(_without_caches(self).items())
 
     def __eq__(self, other: object) -> bool:
@@ -80,7 +80,7 @@ def _opened(initialize: Callable[..., None]) -> Any:
     @wraps(initialize)
     def __init__(self: Any, *args: Any, **options: Any) -> None:
         if hasattr(self, "_open"):
-            # the __init__ of a subclass has called this one, and closes the value itself
+            # the __init__ of a subclass has called this one, and its own wrapper closes the value
             return initialize(self, *args, **options)
         _set_open(self, True)
         try:
@@ -122,7 +122,7 @@ def replaced(value: Kind, **changes: Any) -> Kind:
 
 
 def made_once(key: Hashable, make: Callable[[], Value]) -> Value:
-    """The value kept under ``key`` in this process; ``make`` makes it at the first call for this key."""
+    """The value stored under ``key`` in this process; the first call for this key computes it by ``make``."""
     if key not in _MADE:
         _MADE[key] = make()
     found: Value = _MADE[key]

@@ -1,10 +1,11 @@
-"""Ctrl-C in a command: one line and exit code 130, from the call of :func:`stand` on.
+"""After a command has called :func:`stand`, Ctrl-C ends it with one line and exit code 130.
 
 A command calls :func:`stand` before it imports anything but this file and the two packages: some 12 ms after the
 process begins, of which Python takes 9. Python handles an earlier interrupt. The command ends with :func:`leave`.
 
-The interrupt is an exception in the main thread, which cleans up. But an exception is lost in a callback, becomes
-another one in an import, and waits for threads and for compiled code. So a separate thread receives the signal too:
+The interrupt raises an exception in the main thread, which cleans up. But an exception raised in a callback is lost,
+in an import it may be replaced by another, and it is delayed until compiled code returns and other threads end. So a
+separate thread receives the signal too:
 it prints the line, silences later output, and ends the process when the main thread takes too long.
 """
 
@@ -61,7 +62,7 @@ def leave(code: int) -> NoReturn:
     if _signal.getsignal(_signal.SIGINT) is _interrupt:
         import atexit
 
-        # Python's shutdown would restore the default, which kills a process whose work is done
+        # Python's shutdown restores the default handler, with which an interrupt would kill the finished process
         atexit.register(_signal.signal, _signal.SIGINT, _signal.SIG_IGN)
     sys.exit(code)
 
@@ -102,7 +103,7 @@ def _say() -> None:
         # another thread is writing the line, which must not be cut off
         _Standing.silent.acquire(timeout=SAYING)
         return
-    # the line replaces a progress bar
+    # this clears the terminal's line, which may show a progress bar
     clear = "\r\x1b[K" if os.isatty(2) else ""
     try:
         os.write(2, f"{clear}{_Standing.name}: interrupted\n".encode())

@@ -32,7 +32,7 @@ def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> lis
     than one.
     """
     unknowns = len(rows[0])
-    # a pivot on the right side is an equation 0 = 1
+    # a pivot in the last column, that of the right side, means an equation 0 = 1
     pivots = sorted(echelon(K, [[*row, x] for row, x in zip(rows, right, strict=True)], unknowns + 1))
     return [row[-1] for _, row in pivots] if [k for k, _ in pivots] == list(range(unknowns)) else None
 

@@ -10,7 +10,7 @@ from jacobian.errors import written
 
 __all__ = ["named", "table"]
 
-# the most characters of a number or a polynomial in a cell
+# the largest number of characters of a value in the table
 MOST = 120
 # rows shown at the beginning and at the end of a long table
 ENDS = 5

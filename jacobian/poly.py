@@ -51,7 +51,7 @@ def _ascending(values: Any) -> Any:
 
 
 def to_galois(K: Arithmetic[Element], a: Poly[Element]) -> Any:
-    """The galois.Poly of ``a`` (descending, as galois has it); FieldError for a field without a galois class."""
+    """The galois.Poly of ``a`` (in galois's descending order); FieldError for a field without a galois class."""
     if not hasattr(K, "to_galois"):
         raise FieldError(f"field = {K.name}: galois has finite fields only")
     import galois

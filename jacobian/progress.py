@@ -11,7 +11,7 @@ from typing import TypeVar
 Thing = TypeVar("Thing")
 
 LOG = logging.getLogger(__name__)
-# in seconds: the time before the first message, a time that counts as long, and the time between two messages
+# in seconds: the time before the first message, the least time that counts as long, the time between two messages
 FIRST, LONG, SAID_AGAIN = 0.5, 5.0, 5.0
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 __all__ = ["CommandParser", "write_anything"]
 
-# characters that tables use are replaced by single ones, since columns are aligned by counting
+# characters used in tables are replaced by single characters, since columns are aligned by counting
 _PLAIN = {
     **dict(zip("αγδηκλνστφωΓΔΣ", "agdeklnstfwGDS", strict=True)),
     **dict(zip("–—−·×∙“”„’‘│─", '---*x*"""\'\'|-', strict=True)),
@@ -63,7 +63,7 @@ def _plain(error: UnicodeError) -> tuple[str, int]:
 
 
 def _letter(letter: str) -> str:
-    """ASCII for a letter: its name in :data:`_PLAIN`, the letter without accents, or a question mark."""
+    """ASCII for a letter: its replacement in :data:`_PLAIN`, the letter without accents, or a question mark."""
     if letter in _PLAIN:
         return _PLAIN[letter]
     return unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() or "?"

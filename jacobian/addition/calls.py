@@ -82,11 +82,11 @@ class WordKernel:
         equation = Plain() if equation is None else equation
         run, curve = library_of(K, equation), packed_curve(C, K.to_word)
         self._sum, self._times = (each(K, equation, curve) for each in (run.sum_in_place, run.multiple_in_place))
-        # compiled calls use addresses in K and ``curve``, so both are kept; sums run one at a time, all in ``_room``
+        # compiled calls use addresses of K and ``curve``, so both are kept alive; sums run one at a time in ``_room``
         self._pointed, self._size = (K, curve), 8 * ROWS * (4 * g + 8)
         self._room, self._split, self._middle = bytearray(self._size), C.model == "split", 4 + g
         self._result = Struct(f"{width(g)}q")
-        # the struct at index k packs k words, at most two classes, and pads them to the width of a result
+        # the struct at index k packs k words, one or two classes, and pads them to the width of a result
         self._structs = [Struct(f"{count}q{8 * max(0, width(g) - count)}x") for count in range(6 + 2 * (2 * g + 1) + 1)]
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:

@@ -74,7 +74,7 @@ def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, 
 
 
 def cancelled(C: HyperellipticCurve, a: Triple, b: Triple) -> Poly:
-    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: its roots are the points of a whose opposite is in b."""
+    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: its roots are the x of points of a whose opposites are in b."""
     K = C.field
     (u1, v1, _), (u2, v2, _) = a, b
     return gcd(K, gcd(K, u1, u2), add(K, add(K, v1, v2), C.h))
@@ -123,8 +123,8 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
     """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
 
     Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊ (``C.principal_parts``), and
-    reflects at y − v. For n < 0, V₋ raises n by g+1−deg u' ≥ 1; for n > g − deg u, V₊ lowers n by g+1−deg u ≥ 0.
-    In both cases the weight at the opposite point at infinity stays non-negative.
+    applies :func:`reflect`, which gives u'. If n < 0, the step with V₋ raises n by g+1−deg u' ≥ 1. If n > g − deg u,
+    the step with V₊ lowers n by g+1−deg u ≥ 0. The weight at the other point at infinity stays non-negative.
     """
     K, g = C.field, C.genus
     while not (0 <= n <= g - (len(u) - 1)):
@@ -137,11 +137,11 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
 
 
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
-    """The class of (u, v, n) by the zeros of y − v outside div(u, v): u' = (f − hv − v²)/u, v' = −v − h modulo u'.
+    """Another triple of the class of (u, v, n): u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
-    y − v has a pole of order a₊ at ∞₊, so div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. A pole is of
-    order max(deg v, g+1) unless v and y agree in their leading terms there; then a₊ + a₋ = deg u + deg u' gives this
-    order.
+    Its points are the opposites of the zeros of y − v outside div(u, v). Let a₊ and a₋ be the orders of the poles of
+    y − v at ∞₊ and ∞₋. Then div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. An order is max(deg v, g+1)
+    unless v and y agree in their leading terms at this point; then it follows from a₊ + a₋ = deg u + deg u'.
     """
     K = C.field
     sum_ = add(K, v, C.h)

@@ -4,7 +4,7 @@ Triples consist of raw elements (ints, Fractions); the polynomials inside are th
 :mod:`jacobian.fields.flint_polynomials`. An addition, conversions included, takes at most a third of the time of
 Cantor's algorithm in Python (``python -m benchmarks single heights``). python-flint is not used where explicit formulas
 are as fast: in genus 2 over GF(p) and small extensions, and in genus 3 over GF(p). Nor is it used over large fields of
-characteristic 2, whose elements cost as much to convert as to multiply.
+characteristic 2, where converting an element takes as long as multiplying it.
 
 The formulas are those of :mod:`jacobian.addition.cantor`; tests check that both agree.
 """
@@ -38,7 +38,7 @@ def pays(C: HyperellipticCurve) -> bool:
 
 
 class FlintCantor:
-    """Addition and doubling of reduced triples on one curve, its own ``arithmetic_model``, over an exact field."""
+    """Addition and doubling of reduced triples on a curve that is its own ``arithmetic_model``, over an exact field."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         self._into, self._back = conversions(C.field)

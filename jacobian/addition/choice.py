@@ -47,7 +47,7 @@ COLD = 300_000
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """READY and COLD over GF(2^n), where additions in Python take longer."""
 SHARE = 64
-"""A group reports its additions in portions of this size; a group with fewer does not repay a compiled kernel."""
+"""A group reports its additions in portions of this size. For fewer additions no compiled kernel is needed."""
 
 Addition = Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
 Doubling = Callable[[cantor.Triple], cantor.Triple]
@@ -142,7 +142,7 @@ def has_two_words(K: Field[Any]) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, its own ``arithmetic_model``; None if none exists or compilation is off."""
+    """The compiled kernel for a C that is its own ``arithmetic_model``; None if none exists or compilation is off."""
     if interpreted() or not (is_word_sized(C) or is_two_words_long(C)):
         return None
     from jacobian.addition.calls import TwoWordKernel, word_kernel

@@ -1,7 +1,7 @@
 """Sums, doublings and multiples of single classes: loops to be compiled, for every context and equation.
 
 Explicit formulas add two classes in general position. In a special case Cantor's algorithm takes over. Over fields of
-word size it is compiled too (:mod:`jacobian.addition.cantor_words`), so that a multiple is computed to its end. In
+word size it is compiled too (:mod:`jacobian.addition.cantor_words`), so that one call computes any multiple. In
 other contexts the loop reports the special case to its caller. Without compilation the same functions run in Python.
 """
 
@@ -16,7 +16,7 @@ from jacobian.numbers.words import inverse
 
 
 class Plain(namedtuple("Plain", "")):
-    """Any equation: Cantor's algorithm does everything."""
+    """Stands for an equation without explicit formulas: Cantor's algorithm computes all sums."""
 
     genus = 0
 

@@ -2,8 +2,8 @@
 
 :func:`text_of` returns the code as text, and :func:`maker` the function that it defines. On ints a sum of products is
 reduced once, where it becomes a factor or a result. In CPython an addition costs as much as a product of machine words,
-so saving products by more sums gains nothing there. In other fields the code has the operations of the formulas as they
-stand.
+so saving products by more sums gains nothing there. In other fields the code has exactly the operations of the
+formulas.
 """
 
 from __future__ import annotations

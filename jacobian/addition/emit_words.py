@@ -3,7 +3,7 @@
 :func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions. A
 sum of up to four products is reduced once. The writer bounds all numbers, in units of p, for words with and without
 spare bits, and for floats. It reduces a number where an operation would exceed its bound. Binary fields and
-tables need no such reductions; tables of odd characteristic run the code for primes.
+fields with tables need no such reductions; tables of odd characteristic run the code for primes.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class Size(NamedTuple):
 
 CANONICAL = Size(0.5, 0.5, 0.5)
 SETTLED = Size(1, 4, 4.5)
-"""The bounds of arguments of ``settled``, and of sums."""
+"""The bounds within which ``K.settled`` can reduce a number; sums stay within them."""
 NEAR = Size(1, 1.5, 4.5)
-"""The bounds of arguments of ``canonical``."""
+"""The bounds within which ``K.canonical`` can reduce a number."""
 
 
 def within(size: Size, limit: Size) -> bool:
@@ -62,7 +62,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """Yields the products that are recomputed in every sum that uses them, since each such sum has room for one."""
+        """Yields the products that are recomputed in every sum that uses them, since each such sum has room for it."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]

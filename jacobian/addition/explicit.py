@@ -20,7 +20,7 @@ from jacobian.fields.prime import PrimeField
 
 
 def formulas_of(C: HyperellipticCurve) -> Formulas | None:
-    """The explicit formulas for C, its own ``arithmetic_model``; None if there are none."""
+    """The explicit formulas for a C that is its own ``arithmetic_model``; None if there are none."""
     if C.genus == 2:
         return genus2.OF_DEGREE_5 if C.model == "ramified" else genus2.OF_DEGREE_6
     if C.genus != 3 or type(C.field) is not PrimeField or C.h or C.model == "inert":
@@ -39,7 +39,7 @@ def coefficients(C: HyperellipticCurve, names: tuple[str, ...]) -> dict[str, Any
 
 
 class ExplicitFormulas:
-    """Addition and doubling of reduced triples on one curve, its own ``arithmetic_model``, over an exact field.
+    """Addition and doubling of reduced triples on a curve that is its own ``arithmetic_model``, over an exact field.
 
     ``number`` converts the coefficients that are passed to the code.
     """

@@ -1,11 +1,13 @@
 """The explicit formulas of genus 3 on y² = f, char ≠ 2: f monic of degree 7, or of degree 8 on split models.
 
 Let D = (U, V) with U = x³ + a₂x² + a₁x + a₀, V = b₂x² + b₁x + b₀, and D' = (U', V') likewise. The quintic ℓ = V + U·s,
-s of degree 2, passes through both. It meets the curve in four more points, the roots of u' = (ℓ² − f)/(UU's₂²). The
-cubic v' = −ℓ modulo u' passes through these and, in degree 7, meets the curve in three more points. Their divisor is
-the sum: u = (f − v'²)/u', v = −v' modulo u. In degree 8 let c be the leading coefficient of y at ∞₊. A quartic with
-leading coefficient c passes through the four points; it meets the curve at ∞₊ and in three more points. This is the
-step at infinity of Galbraith, Harrison and Mireles Morales (2008); it costs a second inversion.
+s of degree 2, passes through both. It meets the curve in four more points, over the roots of u' = (ℓ² − f)/(UU's₂²).
+The cubic v' = −ℓ modulo u' passes through their opposites and, in degree 7, meets the curve in three more points. The
+opposites of these three form the sum: u = (f − v'²)/u', v = −v' modulo u.
+
+In degree 8 let c be the leading coefficient of y at ∞₊. The quartic c·u' − v' passes through the four points, and meets
+the curve at ∞₊ and in three more points, which form the sum. This is the step at infinity of Galbraith, Harrison and
+Mireles Morales (2008); it takes a second inversion.
 
 Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
 Wollinger and Gong 2007 order such steps so that one inversion is enough: that of the resultant times the leading
@@ -35,7 +37,8 @@ def opposite(C: Any, first: Row) -> Row:
 def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
     """(r, r·s₂, r·s₁, r·s₀) for s = w/m modulo the monic cubic u; r is the resultant of m and u."""
     (m2, m1, m0), (w2, w1, w0), (c2, c1, c0) = m, w, u
-    # xm and x²m modulo u; with m they are the columns of the multiplication by m, whose first cofactors give i = r/m
+    # n = xm and p = x²m modulo u; m, n, p are the columns of the matrix of the multiplication by m; the cofactors
+    # of its first row give i = r/m
     n2, n1, n0 = m1 - c2 * m2, m0 - c1 * m2, -(c0 * m2)
     p2, p1, p0 = n1 - c2 * n2, n0 - c1 * n2, -(c0 * n2)
     i0, i1, i2 = n1 * p2 - p1 * n2, p1 * m2 - m1 * p2, m1 * n2 - n1 * m2
@@ -90,7 +93,7 @@ def without_v(bent: Four, first: Row) -> Four:
 
 
 def next_u(C: Any, bent: Four, first: Row, second: Row) -> Four:
-    """(e₃, e₂, e₁, e₀) of u' = x⁴ + e₃x³ + …, with roots at the quintic's four further points on the curve."""
+    """(e₃, e₂, e₁, e₀) of u' = x⁴ + e₃x³ + …, whose roots are the x of the quintic's four other points on the curve."""
     (_, t1, t0, w4), (a2, a1, _, b2, b1, _), (c2, c1, c0, _, _, _) = bent, first, second
     # u' = (t·(t·U + 2w₄V) − w₄²·(f − V²)/U)/U', and w₄ = 1/s₂
     l3, l2, l1, _ = without_v(bent, first)

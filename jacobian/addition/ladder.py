@@ -14,8 +14,8 @@ from jacobian.fields import QQ
 
 Class = TypeVar("Class")
 MOST_BITS = 150_000
-"""The bits of a numerator or denominator over QQ beyond which a class is not doubled, since the double has four times
-as many. 1000·(0, 1) on y² = x⁵ + 2x + 1 has 380,000 bits and takes 3.5 s.
+"""The largest number of bits of a numerator or denominator in a class over QQ that is doubled; the double has four
+times as many. 1000·(0, 1) on y² = x⁵ + 2x + 1 has 380,000 bits and takes 3.5 s.
 """
 PART = 1 << 15
 """The number of bits of a scalar in one call of compiled code. A call takes less than a second; Ctrl-C waits for it.

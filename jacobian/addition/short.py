@@ -13,31 +13,31 @@ from jacobian.fields.prime import PrimeField
 
 
 class Quintic(namedtuple("Quintic", "f2 f3 f4")):
-    """y² = x⁵ + f₄x⁴ + … + f₀, as far as the formulas use it."""
+    """The coefficients of y² = x⁵ + f₄x⁴ + … + f₀ that the formulas use."""
 
     genus = 2
 
 
 class Sextic(namedtuple("Sextic", "f2 f3 f4 f5 f6")):
-    """y² = f₆x⁶ + … + f₀ with f₆ ≠ 0, as far as the formulas use it."""
+    """The coefficients of y² = f₆x⁶ + … + f₀, f₆ ≠ 0, that the formulas use."""
 
     genus = 2
 
 
 class BinaryQuintic(namedtuple("BinaryQuintic", "h0 h1 h2 f2 f3 f4")):
-    """y² + (h₂x² + h₁x + h₀)y = x⁵ + f₄x⁴ + … + f₀ in characteristic 2, likewise."""
+    """The coefficients of y² + (h₂x² + h₁x + h₀)y = x⁵ + f₄x⁴ + … + f₀ that the formulas use in characteristic 2."""
 
     genus = 2
 
 
 class BinarySextic(namedtuple("BinarySextic", "h0 h1 h2 h3 f2 f3 f4 f5 f6")):
-    """y² + (h₃x³ + … + h₀)y = f₆x⁶ + … + f₀ with h₃ ≠ 0 in characteristic 2, likewise."""
+    """The coefficients of y² + (h₃x³ + … + h₀)y = f₆x⁶ + … + f₀, h₃ ≠ 0, that the formulas use in characteristic 2."""
 
     genus = 2
 
 
 class Septic(namedtuple("Septic", "f3 f4 f5 f6")):
-    """y² = x⁷ + f₆x⁶ + … + f₀, likewise."""
+    """The coefficients of y² = x⁷ + f₆x⁶ + … + f₀ that the formulas use."""
 
     genus = 3
 
@@ -50,7 +50,7 @@ MODELS: dict[type, tuple[Formulas, dict[str, int]]] = {
     BinarySextic: (genus2.OF_DEGREE_6, {"characteristic": 2}),
     Septic: (genus3.OF_DEGREE_7, {"f7": 1, "f8": 0}),
 }
-"""The formulas of each short equation, and what is known of it: coefficients, and the characteristic where it is 2."""
+"""The formulas of each short equation, with its known coefficients, and with the characteristic if it is 2."""
 
 
 def short_equation(C: HyperellipticCurve, to_word: Any) -> Any:

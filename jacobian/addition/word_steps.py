@@ -2,7 +2,8 @@
 
 The arithmetic is that of :mod:`jacobian.numbers.words`. :data:`STEPS` holds the functions that
 :mod:`jacobian.addition.emit_words` writes for each class of short equations; the class is known at compile time. Loops
-with these steps run in Python and compiled. Tests run all steps on intervals to show that no word overflows.
+with these steps run compiled, and in Python without compilation. Tests run all steps on intervals to show that no word
+overflows.
 
 A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. An array stores it as a column in
 the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues, ascending. The steps, for a
@@ -26,7 +27,7 @@ The parts of the second half in genus 2, then in genus 3::
     of.u(K, C, cubic, first, second)                      # (e₁, e₀) of the sum's u
     of.v(K, C, cubic, u, first)                           # (v₁, v₀) of the sum's v
     of.bent(K, C, quotient, inverse)                      # four numbers of the quintic through both divisors
-    of.meeting(K, C, bent, first, second)                 # u', whose roots are the quintic's other points on the curve
+    of.meeting(K, C, bent, first, second)                 # u', whose roots are the x of the quintic's other points
     of.middle(K, C, bent, meeting, first, second)         # the quintic modulo u'
     of.u(K, C, meeting, middle)                           # (u₂, u₁, u₀) of the sum's u
     of.v(K, C, u, middle)                                 # (v₂, v₁, v₀) of the sum's v

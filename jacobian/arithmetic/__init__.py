@@ -1,1 +1,1 @@
-"""A curve over QQ at all primes up to a bound: its L-polynomials, their statistics, and a page of the curve."""
+"""A curve over QQ at all primes up to a bound: its L-polynomials, their statistics, and its endomorphisms."""

@@ -5,7 +5,7 @@ t; in genus 2, s = 0. For the quadratic twist, a_1 and a_3 change signs. A point
 is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). This curve is isomorphic to the given
 curve if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give all pairs (s, t)
 whose orders annihilate D; further points eliminate wrong pairs. The right pair is never eliminated, so a single
-survivor is proven.
+remaining pair is the right one.
 
 The classes are those of :mod:`jacobian.arithmetic.desk`.
 """
@@ -59,9 +59,9 @@ def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: 
 
 
 def ranges_of(g: int, p: int, a: Any, ranges: Any) -> Any:
-    """Returns the least possible a_2 with the given residue, and the number of rows; writes the least and the largest t
-    of each row s into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p, a_3 + t·p) in
-    genus 3.
+    """Returns the least possible a_2 with the given residue, and the number of rows, one for each s. Writes the least
+    and the largest t of each row into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p,
+    a_3 + t·p) in genus 3.
 
     The bounds hold because the roots of R = z^g + r_1 z^(g−1) + … (:mod:`jacobian.finite.weil`) are real and at most
     2√p in size.

@@ -26,7 +26,8 @@ from jacobian.finite.weil import leading
 from jacobian.periods.endomorphisms import Endomorphisms, Integers
 
 ROOTS_OF_UNITY = 240
-"""A multiple of the order of every root of unity in a field of degree at most 8 that four conjugate numbers generate.
+"""A multiple of the order of every root of unity in the splitting field, of degree at most 8, of a Frobenius polynomial
+of degree 4.
 """
 PRIMES = 100
 """The number of L-polynomials that are compared; each is an exact test."""
@@ -121,7 +122,7 @@ def squarefree(n: int) -> int:
 
 
 def _quaternions(matrices: Sequence[Any]) -> str:
-    """The name of a quaternion algebra i² = a, j² = b, ij = −ji: M_2(QQ), or a division algebra with its primes."""
+    """The name of a quaternion algebra i² = a, j² = b, ij = −ji: M_2(QQ), or its discriminant."""
     from flint import fmpq, fmpq_mat
 
     n = matrices[0].nrows()

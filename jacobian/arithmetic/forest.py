@@ -8,9 +8,10 @@ a recurrence that does not depend on p. So the window (c_(k−d+1), …, c_k)·(
 matrices applied to (0, …, 0, 1) (Harvey and Sutherland 2014, 2016). A block of integers needs the window at its
 beginning, modulo the product of its primes.
 
-The blocks form trees. A tree multiplies its matrices, carries the window down to the beginning of each block, and
-finally to its own end, modulo the primes of all later trees. For each p the window is then advanced from the beginning
-of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). Such a walk is faster than the lower levels of a tree.
+The blocks form trees. A tree multiplies its matrices. The products give the window at the beginning of each block, and
+finally the window at the end of the tree, modulo the primes of all later trees. For each p the window is then advanced
+from the beginning of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). Such a walk is faster than the lower
+levels of a tree.
 
 Integers and matrices are those of FLINT (python-flint). FLINT multiplies matrices of 5 rows with entries of 640 kbit in
 the time of 91 products of such integers (``python -m benchmarks l_polynomials``).
@@ -24,11 +25,15 @@ from typing import Any, NamedTuple
 from flint import fmpz, fmpz_mat, fmpz_poly
 
 BLOCK = 1 << 14
-"""The integers in a block. Smaller blocks make the trees slower, larger ones the walks."""
+"""The number of integers in a block. Smaller blocks make the trees slower, larger ones the walks."""
 WALKED_TO = 1 << 18
-"""Up to this prime one block is walked without a tree, which is as fast (``python -m benchmarks l_polynomials``)."""
+"""If no prime exceeds this number, a single block is walked without a tree, which takes no longer (``python -m
+benchmarks l_polynomials``).
+"""
 TREE = 8
-"""The blocks in a tree. More blocks take more memory; with fewer the window is carried along more often."""
+"""The number of blocks in a tree. More blocks take more memory; fewer blocks mean more trees, each with a window at its
+end modulo all later primes.
+"""
 STEPS = 16
 """The number of matrices M(k + 1), M(k + 2), … whose product is computed as polynomials in k. One matrix product then
 evaluates these polynomials at all k of a block that are needed.
@@ -69,7 +74,8 @@ def trees(
 ) -> Iterator[Tree]:
     """Yields, tree after tree, the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
 
-    ``blocks`` have one size, a multiple of STEPS. They begin at 0, or at a later tree, whose ``window`` is given.
+    ``blocks`` have one size, a multiple of STEPS. The first begins at 0, or where a later tree begins; then its
+    ``window`` is given.
     """
     d = len(f) - 1
     size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0

@@ -21,13 +21,13 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields import QQ
 
 PART = 4096
-"""The number of primes in one walk."""
+"""The largest number of primes whose walks are computed together."""
 
 
 def integral_equation(C: HyperellipticCurve) -> list[int]:
     """The coefficients of F: h² + 4f times the square of the common denominator of f and h, divided by a power of 4.
 
-    Modulo every odd p that does not divide the denominator, y² = F(x) is the curve.
+    Modulo every odd p that does not divide the denominator, y² = F(x) is isomorphic to the curve.
     """
     scale = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = [int(c * scale * scale) for c in C.discriminant]

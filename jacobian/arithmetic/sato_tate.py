@@ -3,7 +3,7 @@ compatible.
 
 In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A component is given by a probability law of
 two angles α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos
-β, or by a law of a_2 alone where a_1 = 0. No table of moments is copied.
+β, or by a law of a_2 alone where a_1 = 0. All moments are computed from these laws.
 
 A group with identity component U(1) is given by a group H of rotations and an element J (notation of the 2012 paper).
 It has a component for each A in H; or for each A and each J·A; or, for a subgroup H′ of index 2, for each A in H′ and
@@ -158,7 +158,7 @@ def _others() -> dict[str, list[Part]]:
         plain = [_about(haar, _at(pi * k / n)) for k in range(n)]
         found[f"E{n}"] = plain
         found[f"J(E{n})"] = plain + [_even((2 * haar[0], haar[1]))] * n
-    # F is U(1)²; one angle is π/2 in the components of a and b, both are in component ab; c exchanges the angles
+    # F is U(1)²; in the components of a and b one angle is π/2, in that of ab both are; c exchanges the angles
     F, a, ab, ac = _of_angles(circle, circle), _of_angles(quarter, circle), _of_angles(quarter, quarter), _even(quarter)
     found |= {"F": [F], "Fa": [F, a], "Fab": [F, ab], "Fa,b": [F, a, a, ab], "Fac": [F, ac, ab, ac]}
     mixed, both = _of_angles(circle, haar), _of_angles(haar, haar)

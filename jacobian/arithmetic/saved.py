@@ -1,4 +1,4 @@
-"""A run over many primes on disk: its results, and where to resume."""
+"""The file of a run over many primes: its results, and the place from which it resumes."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ WHOLE = 6755399441055744.0
 class Walks(NamedTuple):
     """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the coefficients before the walk, (N, T, d), the
-    last of which have the index ``start``.
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the d coefficients up to the index ``start``,
+    (N, T, d).
     """
 
     primes: Any

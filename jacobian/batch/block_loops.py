@@ -4,7 +4,7 @@ A row of a DivisorArray is a column here: ``x[i, j]`` is the i-th coordinate (uâ
 the same coordinate of neighbouring rows lies in neighbouring words, and LLVM can vectorise the loops. A block of BLOCK
 rows goes through short loops: the first halves of the sums; Montgomery's simultaneous inversion (1987), in CHAINS
 independent chains; the second halves. Rows that are not general (a weight below g, a product that vanishes) take part
-in the inversion with a 1 and are reported to the caller; equal summands are doubled at once.
+in the inversion with a 1 and are reported to the caller. Equal summands are doubled in the same pass.
 
 All arrays of a block are parts of one scratch array at constant offsets, so that the compiler sees that they do not
 overlap. The loops are the same for every kind of words (:mod:`jacobian.batch.libraries`), and run in Python unchanged.
@@ -190,7 +190,7 @@ def finish(K: Any, C: Any, S: Any, second: Any, out: Any, start: Any, size: Any)
 def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, room: Any) -> Any:
     """Sets out[:, j] = x[:, j] + y[:, j] for the general rows j of a span (begin, end). Returns the number of other
     rows, whose indices are written into ``special``. ``first`` is (x, degrees), ``second`` is (y, degrees), and
-    ``room`` (special, S). S must hold words even beyond the last row, since the loops compute there too.
+    ``room`` (special, S). S must be initialised, since the loops also compute on unused rows of a block.
     """
     (x, x_degree), (y, y_degree), (begin, end), (special, S) = first, second, span, room
     g, count = x.shape[0] >> 1, 0

@@ -36,7 +36,7 @@ class CompiledRows(StoredRows):
         K: Any = J.field
         super().__init__(J)
         curve = self.equation.curve
-        # floats, eight in SIMD lanes at once, multiply faster than 64-bit words one after the other
+        # the processor multiplies eight floats at once, in SIMD lanes, but 64-bit words one after the other
         self.floats = type(K) is PrimeField and self.genus == 2 and 31 < K.p.bit_length() <= 49
         words: Any
         own: Any

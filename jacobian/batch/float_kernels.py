@@ -24,12 +24,12 @@ NOISE = 2.0**-40
 GIVEN_NOISE = 2.0**-32
 # summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
-# a sum has a point far out or at infinity if the chord's slope is below FLATTEST_CHORD times its size (deg f = 5,
-# floats), or if the leading coefficient of p² − q²f in genus2_complex is below FLATTEST times the other coefficients
+# a sum has a point far out or at infinity if |l1| of genus2_real is below FLATTEST_CHORD (deg f = 5, floats), or if the
+# leading coefficient of p² − q²f of genus2_complex is below FLATTEST; there the largest of q, l1 and l0 is about 1
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# f at the smallest point, and its leading term at the largest point, must be at least this fraction of f at the largest
-# point: then 21 of 53 bits remain
+# f at the smallest abscissa of the summands, and its leading term at the largest one, must be at least this fraction of
+# f at the largest one; then 21 of 53 bits remain
 EVEN = 2.0**-32
 TINY = 1e-300
 

@@ -22,7 +22,7 @@ NUMBERS: dict[type, ArrayKind] = {
 }
 """How the words of each kind of context are stored in rows."""
 IN_LANES = (words.Lazy32, words.Wide32, words.Double)
-"""The contexts whose loops become vector instructions."""
+"""The contexts whose loops LLVM vectorises."""
 BYTES, SPAN = ArrayKind(INT, stored="uint8"), TupleKind((INT, INT))
 
 

@@ -33,7 +33,7 @@ from jacobian.numbers.threads import in_ranges
 LISTED = 1 << 12
 """All points are listed over fields with at most this many elements, and over fields with tables."""
 CHUNK = 1 << 13
-"""The number of classes from one stream of random numbers, at most MOST of :mod:`jacobian.batch.stored_rows`."""
+"""The number of classes drawn from one stream of random numbers; at most MOST of :mod:`jacobian.batch.stored_rows`."""
 MOST_SETS = 64
 """The largest number of sets of g points that are added for one class."""
 DISTANCE = 50

@@ -82,7 +82,7 @@ class StoredRows:
             self._constants = Packed(K, CONTEXTS[kinds[0]]), Packed(formulas, libraries.equation(*kinds))
         self._h, self._f = (self.numbers_in_words(a) for a in (self.equation.curve.h, self.equation.curve.f))
 
-    # --- what a kind of words supplies
+    # --- methods that depend on the kind of words
 
     def view(self, words: Any) -> Any:
         """An array of words in the form that loops take: a view of the same memory."""

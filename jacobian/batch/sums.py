@@ -70,7 +70,7 @@ class FloatSums:
         f = poly.add(K, curve.f, poly.mul(K, half, half)) if half else curve.f
         self.dtype = np.dtype(type(K.one))
         half = tuple([*half, *[K.zero] * 4][: 3 if real_quintic else 4])
-        # units of x and y, powers of 2, in which the geometric mean of f's roots and the coefficients of f are about 1
+        # units of x and y, powers of 2: in them f's largest coefficient and the geometric mean of its roots are about 1
         lowest, top = next(k for k, c in enumerate(f) if c), len(f) - 1
         x = _power_of_two(abs(f[lowest] / f[-1]) ** (1 / (top - lowest))) if lowest < top else 1.0
         y = _power_of_two(max(abs(c) * x**k for k, c in enumerate(f)) ** 0.5)

@@ -167,7 +167,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         slope = K.inv(K.sub(self.infinity_plus, self.infinity_minus))
         descending = [self.infinity_plus]
         for i in range(1, g + 2):
-            # the coefficient of x^(2g+2−i) in V² + hV − f, with V as far as it is known
+            # the coefficient of x^(2g+2−i) in V² + hV − f, from the terms of V computed so far
             known = K.sub(K.dot(descending[1:], descending[:0:-1]), coefficient(K, self.f, 2 * g + 2 - i))
             for j, c in enumerate(descending):
                 known = K.add(known, K.mul(c, coefficient(K, self.h, g + 1 - i + j)))
@@ -187,7 +187,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
         return Jacobian(self)
 
     def summary(self, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
-        """What is known of this curve over QQ. Each line is marked as proven, computed or conjectural. The page has
+        """A report on this curve over QQ. Each line is marked as proven, computed or conjectural. The page has
         L-polynomials up to ``bound``, points with x of up to this height, and periods to ``digits`` digits
         (:func:`jacobian.page.lines.summary`).
         """
@@ -320,10 +320,10 @@ class HyperellipticCurve(CurveQuestions[Element]):
             known = [point for point in self.points(bound=12) if isinstance(point, AffinePoint)]
             if known:
                 return known[random_below(rng, len(known))]
-        # about half of the x carry points; a small field may have none at all
+        # about half of the x have points; over a small field there may be no point at all
         for _ in range(0 if K.order is None and K.exact else 10000):
             found = self.lift_x(K.random(rng), all=True)
-            # some x have two points, others one: a single one is kept half of the time: all points are equally likely
+            # a point that is the only one over its x is kept half of the time, so that all points are equally likely
             choice = random_below(rng, 2)
             if choice < len(found):
                 return found[choice]

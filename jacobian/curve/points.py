@@ -38,4 +38,4 @@ INFINITY_MINUS = PointAtInfinity(-1)
 
 Point: TypeAlias = AffinePoint[Element] | PointAtInfinity
 Given: TypeAlias = Iterable[Element | Value] | PointAtInfinity
-"""What is read as a point: a pair (x, y), or a point at infinity."""
+"""The arguments that are read as points: a pair (x, y), or a point at infinity."""

@@ -78,8 +78,8 @@ class CurveQuestions(Immutable, Generic[Element]):
         return reduced
 
     def bad_primes(self) -> list[int]:
-        """The primes at which :meth:`change_ring` refuses this equation over QQ, ascending: those in denominators, and
-        those that make it singular.
+        """The primes at which :meth:`change_ring` refuses this equation over QQ, ascending: those that divide a
+        denominator, and those at which it is singular.
         """
         return self.jacobian().bad_primes()
 
@@ -96,8 +96,8 @@ class CurveQuestions(Immutable, Generic[Element]):
         if d is None:
             if K.order is None:
                 raise ArgumentError(f"d = None: over {K.name} there are many twists, say which")
-            # in characteristic 2, d has trace 1, as a power of the generator has if any smaller element does; in even
-            # degree all elements of the prime field are squares
+            # in characteristic 2, d must have trace 1; the trace is linear, so the first such element is a power of a.
+            # In odd characteristic and even degree, all elements of the prime field are squares
             odd = range(1 if K.degree % 2 else K.characteristic, K.order)
             first = (1 << k for k in range(K.degree)) if even else odd
             d = next(x for x in map(K.element, first) if not self._twists_nothing(x))
@@ -183,8 +183,8 @@ class CurveQuestions(Immutable, Generic[Element]):
     def p_rank(self) -> int:
         """The rank over GF(p) of the p-torsion of the Jacobian over the algebraic closure, 0 … g (finite fields).
 
-        In characteristic 2 h determines it, over any field; otherwise the limits of :meth:`cartier_manin` or of
-        counting hold.
+        In characteristic 2 the p-rank follows from h, over any field. Otherwise the limits of :meth:`cartier_manin` or
+        of point counting apply.
         """
         return self.jacobian().p_rank()
 

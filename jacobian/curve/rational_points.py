@@ -46,7 +46,7 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
     """
     squares = {x * x % p for x in range(p)}
     values = [sum(c * pow(x, i, p) for i, c in enumerate(form)) % p in squares for x in range(p)]
-    # p divides b: the form is the leading coefficient times an even power of a
+    # if p divides b, the form is its leading coefficient times an even power of a
     rows = [_repeated([form[-1] % p in squares] * p, bound)]
     for b in range(1, p):
         inverse = pow(b, -1, p)

@@ -102,6 +102,6 @@ def change_of_field(K: Any, L: Any) -> Callable[[Any], Any]:
         return embedding(L, K).back
     if K.order is not None or (L.exact and not K.exact):
         raise FieldError(f"K = {L.name}: there is no map from {K.name} to it that respects + and ·")
-    # elements of GF(p^k) are written as ints, so rational numbers go to GF(p)
+    # an int stands for an element of GF(p^k), so the image of a rational number is computed in GF(p)
     target = getattr(L, "base", L) if L.order is not None else L
     return lambda x: target.coerce(x, "coefficient")

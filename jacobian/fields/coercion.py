@@ -19,7 +19,7 @@ from typing import Any
 
 from jacobian.errors import FieldError, shown
 
-# larger powers of ten are probably a slip, and take seconds to write out
+# a larger power of ten is probably a mistake, and takes seconds to write out
 LARGEST_EXPONENT = 100_000
 
 _NUMBER = re.compile(r"\s*([-+]?)(\d+)/(\d+)\s*|\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE]([-+]?\d+))?\s*", re.ASCII)

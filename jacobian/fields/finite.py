@@ -133,7 +133,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         odd = self.order - 1
         odd //= odd & -odd
         rng = Random(0)
-        # candidates are random, since the first elements may all lie in a subfield whose elements are squares
+        # candidates are random, since the first elements may all lie in a subfield, and all be squares
         candidate = self.random(rng)
         while self.is_square(candidate):
             candidate = self.random(rng)

@@ -85,8 +85,8 @@ def monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
     """The monic polynomials of degree k, in the order of the numbers whose base-p digits are their coefficients.
     Those of the form x^k + c are left out where none is irreducible.
     """
-    # x^k + c is irreducible for some c only if each prime factor of k divides p − 1, and so does 4 if it divides k
-    # (Lidl and Niederreiter 1997, theorem 3.75); otherwise the search would try all p of them in vain
+    # x^k + c is irreducible for some c only if each prime factor of k divides p − 1, and 4 too if it divides k (Lidl
+    # and Niederreiter 1997, theorem 3.75); otherwise the search would try all p values of c in vain
     hopeful = all((base.p - 1) % q == 0 for q in prime_factors(k)) and (k % 4 != 0 or base.p % 4 == 1)
     for number in count(1 if hopeful else base.p):
         digits = []

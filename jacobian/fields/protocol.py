@@ -26,7 +26,7 @@ def check_field(K: Field[Element], argument: str) -> Field[Element]:
 class Field(Arithmetic[Element], Protocol[Element]):
     """A field: the operations on raw elements of type ``Element``.
 
-    ``exact`` fields decide equality; inexact ones decide it against a scale, or raise
+    ``exact`` fields decide equality; inexact ones decide it relative to a scale, or raise
     :class:`~jacobian.errors.PrecisionLoss`. Two fields are the same field when they compare equal.
     """
 

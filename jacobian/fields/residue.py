@@ -73,7 +73,7 @@ def quadratic_root(K: Any, modulus: poly.Poly, value: poly.Poly) -> poly.Poly:
     if s == K.zero:
         with suppress(NotASquare):
             return (K.sqrt(t),)
-        # a root without trace is m(X + b/2)
+        # a root of trace 0 is m(X + b/2)
         shift = K.mul(b, half)
         m = K.sqrt(K.div(t, K.sub(K.mul(shift, shift), c)))
         return poly.trim(K, (K.mul(m, shift), m))
