@@ -205,7 +205,9 @@ class MumfordSystem(Made):
 
     @property
     def _varied(self) -> dict[str, float]:
-        """The size of a noticeable change of each constant and parameter, by name; 0 if it does not vary."""
+        """By name, the size of a change of each constant and parameter that changes motions noticeably; 0 for those by
+        which no derivative is taken.
+        """
         given = (value if isinstance(value, tuple) else (value,) for value in self.arguments.values())
         names = [
             f"{name}{i if len(x) > 1 else ''}"

@@ -100,9 +100,9 @@ def samples_of(
     sizes: tuple[int, int],
     known: np.ndarray | None = None,
 ) -> np.ndarray:
-    """A rate on a grid with ``sizes`` points per period of the divisor. A tilted rate has twice an ``odd`` period,
-    because its tilt term changes its sign after that period. Compiled loops give double-doubles with a last axis.
-    ``known`` are the samples of a coarser grid.
+    """A rate on a grid with ``sizes`` points per period of the divisor. Where ``odd``, the tilt term changes its sign
+    after that period, so a tilted rate has twice the period and twice as many points. Compiled loops give
+    double-doubles with a last axis. ``known`` are the samples of a coarser grid.
     """
     (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
     coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
