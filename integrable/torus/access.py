@@ -189,7 +189,7 @@ class TorusFlow(BodyTorus):
         """Physical times at values of τ."""
         if not self.clock:
             return tau
-        check_turns(tau, self._turns)
+        check_turns(tau, self._turns, self.clock.most)
         return self.clock.times(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
@@ -204,6 +204,7 @@ class TorusFlow(BodyTorus):
         check_turns(times, self._turns_in_t if physical else self._turns)
         rows = self.loops.room(2 * len(times))
         if physical and self.clock:
+            check_turns(times, self._turns_in_t, self.clock.most)
             rows = self.clock.phases(times)[0]
         else:
             self.loops.phases_at(self.rates, times, rows)
@@ -241,7 +242,7 @@ class TorusFlow(BodyTorus):
 
     def _rows_of_clock(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         assert self.clock
-        check_turns(times, self._turns_in_t)
+        check_turns(times, self._turns_in_t, self.clock.most)
         return self.clock.at(self.torus, times)
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
