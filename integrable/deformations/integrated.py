@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from integrable.deformations.carrier import GUARD_DIGITS, digits_asked, widened
+from integrable.deformations.carrier import GUARD_DIGITS, widened
 from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
@@ -15,6 +15,7 @@ from integrable.deformations.taylor import integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.moving_point.losses import digits_of
+from integrable.phase.precisions import long_digits
 from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way
 from integrable.series.tape import recorded
@@ -47,7 +48,7 @@ class IntegratedMotion(EnclosedMotion):
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         # this raises ArgumentError for fields other than RR or MP(digits)
-        digits_asked(system.field)
+        long_digits(system.field)
 
     @cached_property
     def _equations(self) -> IntegratedStates:
@@ -68,7 +69,7 @@ class IntegratedStates(Integration):
     """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
-        self._field, self._asked = system.field, digits_asked(system.field)
+        self._field, self._asked = system.field, long_digits(system.field)
         self._system, self._state = widened(system, state, MP(self._asked + GUARD_DIGITS))
 
     def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:

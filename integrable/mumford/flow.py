@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import long_digits
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from integrable.portrait.state_flow import StateFlow
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import at_once, quick_property, read_only, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -490,15 +490,6 @@ def largest_rate(matrices: Sequence[np.ndarray]) -> float:
     import numpy as np
 
     return float(np.abs(np.linalg.eigvals(matrices)).max())
-
-
-def long_digits(K: Any) -> int:
-    """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
-    if K is RR:
-        return ROUNDED_TO_FLOATS
-    if K.exact or K.complex:
-        raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
-    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
 def element(K: Any, x: Real) -> Any:

@@ -15,11 +15,11 @@ from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeGuard, TypeVar
 
 from integrable.mumford.fields import padded
-from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
+from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.motion import Start, settled_digits
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.made import Made
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, Divisor, HyperellipticCurve, poly
 from jacobian.element import Element, FormulaField, Real, Value

@@ -207,6 +207,7 @@ class ThetaTorus(FarTimes):
         self.paces = basis.frequencies[:, 0].tolist()
         if timed:
             self._clock = self._made_clock(N, basis, timed, found.length)
+            self.most = min(self.most, self._clock.most)
 
     @property
     def witnesses(self) -> np.ndarray:
