@@ -147,7 +147,8 @@ class BodyMotion(Motion):
 
     @cached_property
     def setup(self) -> Setup:
-        raise NotImplementedError
+        """The data computed once for the motion, before its first state."""
+        return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
     @cached_property
     def contact_on_torus(self) -> Any:

@@ -227,7 +227,10 @@ class Translation(Move):
         if any(isinstance(x, complex) or hasattr(x, "_mpc_") for x in self.points):
             return self._conjugate_pair(K, f)
         x = [apply(K, x, h1, h2) if callable(x) else x for x in self.points]
-        y = [K.zero if self._is_branch(e, h1, h2) else self._ordinate(K, f, e, sheet) for e, sheet in self._sheeted(x)]
+        y = [
+            K.zero if self._is_branch(e, h1, h2) else self._ordinate(K, f, e, sheet)
+            for e, sheet in zip(x, self.sheets, strict=True)
+        ]
         if len(y) == 1:
             return (K.neg(x[0]), K.one), poly.trim(K, (y[0],)) if K.exact else (y[0],)
         x1, x2 = x
@@ -239,9 +242,6 @@ class Translation(Move):
         else:
             u, v = poly.through(K, list(zip(x, y, strict=True)))
         return u, poly.trim(K, v) if K.exact else v
-
-    def _sheeted(self, x: Sequence[Real]) -> Any:
-        return zip(x, self.sheets, strict=True)
 
     def _is_branch(self, x: Any, h1: Real, h2: Real) -> bool:
         """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (up to rounding over an inexact field)."""
