@@ -19,13 +19,13 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.mumford.flow import RIGHT, element, long_digits
+from integrable.mumford.flow import RIGHT, element
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral, elements
 from integrable.phase.enclosure import ball_digits, exact_times, widest
 from integrable.phase.made import Made
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
 from jacobian.element import Arithmetic, FormulaField, Numbers, Real, Value

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from integrable.deformations.carrier import GUARD_DIGITS, digits_asked, widened
+from integrable.deformations.carrier import GUARD_DIGITS, widened
 from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
@@ -17,6 +17,7 @@ from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
 from integrable.phase.jets import Jet, JetField
+from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import InOrder, Way
 from integrable.portrait.differences import Inputs
@@ -53,7 +54,7 @@ class IntegratedMotion(HamiltonianMotion):
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         # this raises ArgumentError for fields other than RR or MP(digits)
-        digits_asked(system.field)
+        long_digits(system.field)
 
     @cached_property
     def _equations(self) -> IntegratedStates:
@@ -79,7 +80,7 @@ class IntegratedStates(Integration):
     """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
-        self._field, self._asked = system.field, digits_asked(system.field)
+        self._field, self._asked = system.field, long_digits(system.field)
         self._system, self._state = widened(system, state, MP(self._asked + GUARD_DIGITS))
 
     def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:

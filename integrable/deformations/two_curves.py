@@ -305,7 +305,7 @@ class CurveTranslation(Step):
 
 
 def curves_of(system: Hamiltonian) -> Hamiltonian:
-    """The tilde pair on whose curves the system moves: the system itself, or the tilde pair of A⁻¹."""
+    """The tilde pair on whose two curves the system moves: the system itself, or that with A⁻¹ in place of A."""
     isometry = system.isometry()
     return system if isometry is None else isometry.pair
 

@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import long_digits
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import at_once, quick_property, read_only, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -473,15 +473,6 @@ class MumfordFlow(StateFlow[Path]):
 
     def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
-
-
-def long_digits(K: Any) -> int:
-    """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
-    if K is RR:
-        return ROUNDED_TO_FLOATS
-    if K.exact or K.complex:
-        raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
-    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
 def element(K: Any, x: Real) -> Any:

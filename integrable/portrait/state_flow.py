@@ -49,10 +49,10 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def certify(self, times: Numbers, digits: int | None = None) -> AnyRun:
-        """The states of :meth:`at`, each compared with a run at 15 more digits, 30 for RR.
+        """The states of :meth:`at`, each compared with a run at 15 more digits: at 30 digits for RR.
 
-        The result has ``error``, the larger of the differences in both vectors relative to the largest component of
-        each at that time (of γ: to 1), and ``digits``, how many decimal digits agree, both of shape (N,). The inputs
+        The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). An error
+        is the larger one of both vectors: that of γ, or of M, q or p relative to its largest component. The inputs
         count as exact, except that states are projected onto their constraints. PrecisionLoss where fewer than
         ``digits`` agree; by default all digits but one of MP(digits), 12 of RR. ``certify`` compares two computations;
         ``enclosure`` has proven bounds.

@@ -234,6 +234,21 @@ def test_the_clock_next_to_a_resonance_is_that_of_thirty_digits() -> None:
     assert np.abs(found.times / true.times.astype(float) - 1).max() < 3e-16
 
 
+def test_dense_times_give_the_same_bits_whatever_was_asked_before() -> None:
+    """The length of panels was that of the shortest interval so far, so that bits changed with it."""
+    times = 1e4 + np.linspace(0, 1000, 20_000)
+    first, flow = BALL.flow(BALL.state(*START)).at(times), BALL.flow(BALL.state(*START))
+    for length in (3, 1):
+        flow.at(1e4 + np.linspace(0, length, 6000))
+    again = flow.at(times)
+    assert first.way == "torus"
+    assert np.array_equal(first.gamma, again.gamma)
+    assert np.array_equal(first.M, again.M)
+    some = slice(None, None, 4000)
+    assert np.abs(first.gamma[some] - flow.at(times[some]).gamma).max() < 8e-15
+    assert np.abs(flow.at_tau(times).gamma[some] - flow.at_tau(times[some]).gamma).max() < 8e-15
+
+
 def test_a_grid_that_is_too_coarse_is_noticed() -> None:
     def samples(size: int) -> np.ndarray:
         angles = 2 * np.pi * np.arange(size) / size
