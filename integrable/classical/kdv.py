@@ -137,7 +137,11 @@ class KdV(Made):
 
 
 class Wave:
-    """A solution u, returned by ``kdv.wave(state)``; ``at(x, t)`` evaluates it."""
+    """A solution u, returned by ``kdv.wave(state)``; ``at(x, t)`` evaluates it.
+
+    It is a function of x and t, not the motion of a state, and has no events, certificates or sensitivities. A two-gap
+    solution at a fixed x is a motion that has them: :class:`integrable.classical.two_gaps.TwoGaps`.
+    """
 
     def __init__(self, kdv: KdV, state: Eigenvalues) -> None:
         self.digits = long_digits(kdv.field)

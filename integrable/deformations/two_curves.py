@@ -257,6 +257,7 @@ class CurveTranslation(Step):
 
     def __call__(self, state: State) -> State:
         """The image of a state."""
+        state = self.system._checked(state)
         if self.system.field.exact:
             here = divisors(self.system, state)
             return from_divisors(self.system, TwoPoints(*map(self._sum, range(2), here)), like=state)
@@ -267,7 +268,7 @@ class CurveTranslation(Step):
 
     def divisor(self, state: State) -> TwoPoints:
         """The divisors that are added on the curves of a state."""
-        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(divisors(self.system, state))))
+        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(self.system.divisor(state))))
 
     def _sum(self, k: int, D: Divisor) -> Divisor:
         x, K, jacobian = self.points[k], self.system.field, D.jacobian

@@ -181,7 +181,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
         return finer(self, times, K)
 
-    def _sensitivity_on_torus(self, run: Trajectory) -> Sensitivity | None:
+    def _by_variations(self, run: Trajectory) -> Sensitivity | None:
         return self._variations.resolved(self, run) if self._variations else None
 
     def _secular(self, times: np.ndarray) -> np.ndarray:
