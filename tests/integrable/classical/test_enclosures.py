@@ -48,6 +48,7 @@ def contained(found, path) -> bool:
         return all((x - REALS.number(y)).overlaps(flint.arb(0, 1e-55) * (1 + abs(x))) for x, y in pairs)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "n"),
     [pytest.param(*case, marks=pytest.mark.slow) if case in LONGER else case for case in LAYER],

@@ -400,6 +400,7 @@ def test_equal_moments_are_still_refused() -> None:
         Tilde((2, 2, 1)).flow(Tilde((2, 2, 1)).state(*START))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("size", [2.0**-40, 2.0**-22, 2.0**-12])
 def test_phases_nearly_in_resonance_are_no_small_divisors(size) -> None:
     """M turned by ``size`` from a resonance of 2 : 1, floats at 10⁷ against 30 digits there and back."""

@@ -59,6 +59,7 @@ def columns(divisors):
     return np.array([[float(c) for c in (*D.u[:2], *D.v)] for D in divisors]).T.copy()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", CURVES)
 def test_sums_of_random_divisors(name):
     """One to one, one to many, doubles, in more than one block."""
