@@ -67,6 +67,7 @@ def moved(name, system, state, step, rng):
     return system.state(*found)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "n"), CASES)
 def test_frequencies_are_derivatives_of_the_energy_by_the_actions(name, n) -> None:
     """dH = 2πΣf dJ, by central differences."""

@@ -88,7 +88,7 @@ def by_complex_steps(name, system, state, times, longest=0.02):
     return np.stack(columns, axis=2)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("toda", 3), ("pendulum", 3), ("ellipsoid", 2), ("galaxy", 3)])
 def test_beside_complex_steps_through_an_integrator(name, n) -> None:
     system, state = REAL[name](RR, n)

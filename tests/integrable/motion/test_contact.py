@@ -156,7 +156,7 @@ def fastest(flow):
     return (flow.system.integrals(flow.state).H1 / min(flow.system.inertia)) ** 0.5
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 def test_paths_of_all_kinds_of_bodies(any_flow):
     """Compared with an integration of the rolling constraint whose steps follow the body's turns."""
     pace = fastest(any_flow)

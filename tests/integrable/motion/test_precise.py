@@ -306,6 +306,7 @@ def test_a_certificate_of_a_tilted_ball_with_two_equal_moments_far_away(digits) 
     assert (run.digits >= (12 if digits == 15 else 29)).all()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("digits", [15, 30])
 @pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 2)])
 def test_a_certificate_of_equal_moments_shares_no_closed_form(inertia, digits, monkeypatch) -> None:
@@ -408,6 +409,7 @@ def test_decimal_exponents(x, exponent) -> None:
     assert np.sign(digits_of(0)) == -1
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("time", "tilt"), [("0.3", 0), ("5e-30", 0), ("-3", 1)])
 def test_one_time_alone_is_that_of_the_series(time, tilt) -> None:
     system, state = ball(270, tilt=tilt)

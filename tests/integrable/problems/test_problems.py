@@ -78,7 +78,7 @@ def test_the_jacobian_beside_differences_of_fifty_digits(name) -> None:
             assert np.abs(found[:, j] - slopes).max() <= 16 * EPS * max(1, np.abs(found).max())
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @over_problems
 def test_the_rates_move_no_integral(name) -> None:
     """For each integral, its slope along the right-hand side, by differences, and its drift along the true motion."""
@@ -131,7 +131,7 @@ def test_truth_of_random_starts_beside_series(name) -> None:
         assert distance_from_series(one, rng.uniform(-4, 4) * one.time_scale, 30) <= 1, one.y0
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @over_problems
 def test_truth_in_any_order_shape_and_number_of_digits(name) -> None:
     one = problem(name)

@@ -73,6 +73,7 @@ def scene(name: str):
     return system, system.state(gamma, M, tilted="(γ, M)" in name), np.linalg.norm(M), tolerance
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
     """τ|M| up to 10^6, forwards and backwards, compared with different additions in different numbers."""

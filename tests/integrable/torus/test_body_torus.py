@@ -74,6 +74,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("name", ["ball", "ζ above the middle"])
 @pytest.mark.parametrize("change", CHANGES)

@@ -157,6 +157,7 @@ def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, ap
         assert max(abs(there.gamma[0] - run.gamma[1])) < 1e-18
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("d", ["1e-10", "1e-15", "1e-20", "1e-150"])
 def test_tables_of_a_light_ball_are_no_larger_than_those_of_another(d) -> None:
     """All modes but one are below the digits of the first tables, whose noise used to be taken for slow decay.

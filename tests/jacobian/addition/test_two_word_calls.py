@@ -64,7 +64,7 @@ def with_two_torsion_points(K, model):
             return C, [(x, K.sqrt(poly.evaluate(K, C.f, x))) for x in (2, 3)]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", LONG)
 def test_special_classes_of_long_fields(name, model):

@@ -151,6 +151,7 @@ def distance(found, true):
     return max(abs(float(x - y)) / size for x, y in zip((*found.u, *found.v), (*true.u, *true.v), strict=True))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["easy", "with h"])
 def test_arrays_of_every_weight(name):
     """Every pair of divisors of weight 2, 1 and 0, including opposite ones, agrees with 50 digits."""

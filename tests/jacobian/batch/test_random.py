@@ -29,7 +29,7 @@ FIELDS = {
 }
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 @pytest.mark.parametrize("name", FIELDS)
 def test_rows_are_classes(name, model):
@@ -64,6 +64,7 @@ def cyclic_group(model):
     raise AssertionError
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("model", "rows"),
     [

@@ -105,6 +105,7 @@ def test_genus_one_by_complex_multiplication(p):
     assert HyperellipticCurve(GF(p), [0, -1, 0, 1]).jacobian().frobenius_polynomial() == [p, -trace, 1]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("p", "k", "genus"), [(3, 3, 2), (3, 3, 3), (5, 2, 3), (7, 2, 3), (5, 3, 2)])
 def test_hasse_witt_over_extensions(p, k, genus):
     C = random_curve(GF(p, k), genus, "norm", with_h=True)

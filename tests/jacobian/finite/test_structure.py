@@ -109,6 +109,7 @@ def test_torsion_is_what_m_annihilates(C):
         assert all(not m * D for D in elements)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("C", SMALL[::3])
 def test_divisibility_is_being_a_multiple(C):
     J = C.jacobian()

@@ -49,6 +49,7 @@ def sums(f, first, second):
     return out
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("variant", dict.fromkeys(variant for variant, _ in CELLS))
 def test_at_every_distance(variant):
     table = [row for name, k in CELLS if name == variant for row in rows(name, k)[:15]]
