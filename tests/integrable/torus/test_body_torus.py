@@ -74,7 +74,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("name", ["ball", "ζ above the middle"])
 @pytest.mark.parametrize("change", CHANGES)
