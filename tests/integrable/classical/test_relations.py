@@ -67,7 +67,6 @@ def turned_by(body, gamma, M):
     return gamma @ (a * gamma), np.array(body.vector_field(Point(tuple(gamma), tuple(M))).q), a
 
 
-@pytest.mark.slow
 def test_veselova_moves_along_geodesics() -> None:
     """Veselov & Veselova 1986: with A = I⁻¹, s = (γ, Aγ) the point Aγ/√s runs along a geodesic of Σx_i²/a_i = 1, its
     length at the rate |M| det A/s^{3/2}.
