@@ -135,7 +135,6 @@ def test_the_own_result_is_there_before_truth_and_rivals():
     assert "DOP853 at 1e-11" not in first
 
 
-@pytest.mark.slow
 def test_an_error_is_against_the_motion_of_the_doubles_the_method_got():
     """It used to be relative to the motion from decimal fractions, which the method never received: 1.5e-14 instead of
     5.7e-17.
