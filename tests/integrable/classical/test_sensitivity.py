@@ -107,7 +107,10 @@ def rates_of(system, q, p):
 
 @pytest.mark.parametrize(
     ("name", "n"),
-    [pytest.param(*x, marks=pytest.mark.slow if x[0] in ("barriers", "toda") else ()) for x in (*CANONICAL, *OTHERS)],
+    [
+        pytest.param(*x, marks=pytest.mark.slow if x[0] in ("barriers", "toda", "galaxy") else ())
+        for x in (*CANONICAL, *OTHERS)
+    ],
 )
 def test_the_flow_carries_its_own_field_and_is_symplectic(name, n) -> None:
     """S takes ẋ(0) to ẋ(t), at any time; where q and p are canonical it preserves dq ∧ dp of tangent vectors."""
