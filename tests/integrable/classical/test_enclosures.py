@@ -48,6 +48,7 @@ def contained(found, path) -> bool:
         return all((x - REALS.number(y)).overlaps(flint.arb(0, 1e-55) * (1 + abs(x))) for x, y in pairs)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "n"),
     [pytest.param(*case, marks=pytest.mark.slow) if case in LONGER else case for case in LAYER],
@@ -93,6 +94,7 @@ def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) 
     assert contained(found, truth(system, state, [0.75, 3]))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("complex", [False, True])
 def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:

@@ -29,6 +29,7 @@ def contained(balls, numbers) -> bool:
     return all(ball.contains(REALS.number(x)) for ball, x in zip(balls.ravel(), numbers.ravel(), strict=True))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["tilde, d", "tilde, d, potential", "check", "hat", "gyroscopic"])
 def test_states_at_physical_times(name):
     system = SYSTEMS[name](RR)

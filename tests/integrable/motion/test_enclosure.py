@@ -54,6 +54,7 @@ def test_states_at_tau(name) -> None:
     assert contained(found, truth.vectors(truth.at_tau(tau)))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", CASES)
 def test_states_at_physical_times(name) -> None:
     system, state = motion_of(*CASES[name])

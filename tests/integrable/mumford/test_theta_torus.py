@@ -46,6 +46,7 @@ def flow_of(name):
     return system.flow(system.state(q, p))
 
 
+@pytest.mark.thinned(2)
 @compiled
 @pytest.mark.parametrize("name", MOTIONS)
 def test_far_states_are_those_of_additions(name) -> None:

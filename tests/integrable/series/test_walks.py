@@ -45,6 +45,7 @@ def off(found, true):
     return (np.abs(found - true).max(axis=-1) / np.abs(true).max(axis=-1)).max()
 
 
+@pytest.mark.thinned(3)
 @over_some
 def test_the_compiled_walk_and_the_recurrences_differ_by_rounding_only(name, n) -> None:
     system, state = REAL[name](RR, n)
@@ -399,6 +400,7 @@ def test_sums_that_cancel_in_the_finest_steps_are_renormalized() -> None:
     assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("toda", 3), ("garnier", 3), ("lagrange", 3)])
 @pytest.mark.parametrize("orders", [WIDE, Orders(5, 30)])
 def test_orders_in_a_loop_are_those_of_straight_line_code(name, n, orders, monkeypatch) -> None:

@@ -73,6 +73,7 @@ def scene(name: str):
     return system, system.state(gamma, M, tilted="(γ, M)" in name), np.linalg.norm(M), tolerance
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
     """τ|M| up to 10^6, forwards and backwards, compared with different additions in different numbers."""
@@ -86,6 +87,7 @@ def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
         assert max(abs(float(x - y)) for x, y in zip(M.tolist(), true_M, strict=True)) < 2 * tolerance * spin
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "name",
     ["S1", "two equal moments", "gamma_2 = 0", "slow spin", "(γ, M) = 1.5", "S4a, thin", "moments 1 : 10^4 : 10^8"],
