@@ -23,7 +23,7 @@ from integrable.mumford.flow import RIGHT, element
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral, elements
-from integrable.phase.enclosure import ball_digits, exact_times, widest
+from integrable.phase.enclosure import Precisions, ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
@@ -182,15 +182,16 @@ class Wave:
         """
         import numpy as np
 
-        from integrable.mumford.enclosure import lost_bits, places
+        from integrable.moving_point.balls import Balls
+        from integrable.mumford.enclosure import EnclosedPlace, lost_bits
 
         wanted = ball_digits(self.kdv.field, digits)
-        motion = places(self._place, wanted)
+        motion = Precisions(lambda bits: EnclosedPlace(Balls(bits), self._place), wanted)
 
         def value(x: Real, t: Real) -> Real:
             if not self._genus:
                 return exact_times([self._edges[0]])[0]
-            lost = lost_bits(self._genus, max(abs(float(x)), abs(float(t))))
+            lost = lost_bits(self._genus, x, t)
             return motion.narrow(lambda place: self._ball(place, x, t), lost)[0]
 
         xs, ts = self._given(x, t)
