@@ -10,11 +10,15 @@ from integrable.deformations.carrier import CurvesCarrier, OnCurves
 from integrable.deformations.equations import BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
+from integrable.deformations.integrated import IntegratedMotion
 from integrable.deformations.quick_states import QuickStates
 from integrable.motion.precise import RoundedRows
+from integrable.motion.trajectory import Trajectory
 from integrable.phase.state import State
 from integrable.phase.ways import Way
+from integrable.portrait.sensitivity import Sensitivity
 from jacobian import RR
+from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
@@ -73,6 +77,13 @@ class DeformedFlow(HamiltonianMotion):
     @cached_property
     def _compiled(self) -> QuickStates:
         return QuickStates(self._many)
+
+    def _by_variations(self, run: Trajectory) -> Sensitivity | None:
+        # at d ≠ 0 every difference needs the clocks of two other motions, which take longer than one integration
+        try:
+            return IntegratedMotion(self.system, self.state)._by_variations(run) if self.system.body.rolls else None
+        except (Infeasible, PrecisionLoss):
+            return None
 
     def _ways(self) -> Iterator[Way]:
         if self.system.field == RR and not interpreted():

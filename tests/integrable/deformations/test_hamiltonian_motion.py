@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from integrable import Gyroscopic, Tilde
 from integrable.deformations.integrated import IntegratedMotion
+from integrable.portrait.sensitivity import by_differences
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, Infeasible, NotRepresentable, PrecisionLoss
 from jacobian.immutable import replaced
@@ -134,7 +135,7 @@ def test_sensitivities_are_differences_of_other_motions(name) -> None:
     found = flow.sensitivity(times)
     count = 9 + {"tilde, d": 1, "poles": 3, "gyroscopic": 1, "tilde, d, potential": 6}.get(name, 0)
     assert found.matrix.shape == (2, 6, count)
-    assert found.way == ("differences" if name in CURVES else "integrated")
+    assert found.way == ("differences" if name in CURVES and name != "tilde, d" else "integrated")
     h = K.coerce(10) ** -11
     for k in range(count):
         ahead, behind = (rows(moved(flow, found.columns, k, sign * h, K).at(times)) for sign in (1, -1))
@@ -145,7 +146,8 @@ def test_sensitivities_are_differences_of_other_motions(name) -> None:
 @pytest.mark.parametrize("name", ["tilde, d", "poles"])
 def test_curves_and_equations_of_variation_agree(name) -> None:
     flow = motion(name)
-    one, two = (x.sensitivity([2.0, -1.0]) for x in (flow, IntegratedMotion(flow.system, flow.state)))
+    times = np.array([2.0, -1.0])
+    one, two = by_differences(flow, times), IntegratedMotion(flow.system, flow.state).sensitivity(times)
     assert one.columns == two.columns
     assert (one.way, two.way) == ("differences", "integrated")
     assert np.abs(one.matrix - two.matrix).max() < 2e-16 * np.abs(one.matrix).max()
@@ -161,6 +163,15 @@ def test_the_motion_is_canonical(name, time) -> None:
     assert np.abs(S[:, :6] @ start @ S[:, :6].T - end).max() < 1e-14 * size**2
     begin, rate = (np.array(flow.system.vector_field(state).row) for state in (flow.state, run[0]))
     assert np.abs(S[:, :6] @ begin - rate).max() < 1e-14 * size
+
+
+@pytest.mark.slow
+def test_far_sensitivities_of_what_rolls_are_differences() -> None:
+    flow, far = motion("tilde, d"), 1e5
+    found, run = flow.sensitivity([far]), flow.at([far])
+    begin, rate = (np.array(flow.system.vector_field(state).row) for state in (flow.state, run[0]))
+    assert found.way == "differences"
+    assert np.abs(found.matrix[0, :, :6] @ begin - rate).max() < 1e-14 * np.abs(found.matrix).max()
 
 
 def test_sensitivities_in_many_digits() -> None:
