@@ -33,6 +33,8 @@ class Neumann(SurfaceSystem, QuadricSystem):
     time step is about 1/√−λ.
     """
 
+    _largest: int
+
     @at_once
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)

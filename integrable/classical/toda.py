@@ -33,12 +33,10 @@ class TodaLattice(MumfordSystem):
     Over an exact field, which has no exponentials, the q of a state are e^{q_k}.
     """
 
-    constants = ()
-
     @at_once
     def __init__(self, n: SupportsIndex, field: Field = RR) -> None:
-        vars(self)["field"] = check_field(field, "field")
-        vars(self)["size"] = whole(n, "n", "the number of particles is an int ≥ 2", 2)
+        wanted = "the number of particles is an int ≥ 2"
+        vars(self).update(field=check_field(field, "field"), size=whole(n, "n", wanted, 2))
 
     @property
     def arguments(self) -> dict[str, object]:

@@ -15,6 +15,7 @@ from integrable.motion.precise import RoundedRows
 from integrable.phase.state import State
 from integrable.phase.ways import Way
 from jacobian import RR
+from jacobian.immutable import at_once
 from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
@@ -39,6 +40,7 @@ class DeformedFlow(EnclosedMotion):
     _cost = BY_THETA
     """The cost of states that are computed on the curves."""
 
+    @at_once
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         if not self._is_ordinary():
@@ -75,7 +77,8 @@ class DeformedFlow(EnclosedMotion):
         return QuickStates(self._many)
 
     def _ways(self) -> Iterator[Way]:
-        if self.system.field == RR and not interpreted():
+        if self.system.field == RR:
             yield NearWalk(self, self._cost)
-            yield self._compiled
+            if not interpreted():
+                yield self._compiled
         yield self._curves

@@ -78,7 +78,8 @@ class Path(Run[Point[Any]]):
 
     @at_once
     def __init__(self, times: np.ndarray, rows: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED) -> None:
-        """``rows`` are q and p side by side, shape (N, 2n). Neither array is the user's own, so they are set read-only."""
+        """``rows`` are q and p side by side, shape (N, 2n)."""
+        # these arrays are never the user's own, so they can be set read-only
         times.setflags(write=False)
         rows.setflags(write=False)
         vars(self).update(_times=times, _rows=rows, way=way, estimate=estimate, error=None, digits=None)
@@ -158,10 +159,11 @@ class MumfordFlow(StateFlow[Path]):
     def _after(self, near: Near | None, given: np.ndarray) -> Path:
         """The states at the given times; ``near`` contains those of them that Taylor series reach, if there are any."""
         if near is not None and near.places is None:
-            found = StatesReached(SERIES, near.states, None, near.error)
+            way, states, error = SERIES, near.states, near.error
         else:
-            found = filled((lambda times: self._completed(near, times), self._on_torus, self._by_additions), given)
-        return Path(given, found.states.reshape(len(given), 2 * self.system.size), found.way, max(found.error, ROUNDED))
+            ways = (lambda times: self._completed(near, times), self._on_torus, self._by_additions)
+            way, states, _, error = filled(ways, given)
+        return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
     def _budget(self, count: int) -> float:
         """The microseconds that the next method in floats takes for ``count`` times, its set-up included."""
@@ -385,11 +387,6 @@ class MumfordFlow(StateFlow[Path]):
         return times
 
     @property
-    def _may_have_torus(self) -> bool:
-        """Whether a torus is tried; it needs compiled loops."""
-        return self._of_a_torus and self._in_floats
-
-    @property
     def _of_a_torus(self) -> bool:
         """Whether motions of this system have a torus in floats; in genus 1 only if t is linear in τ."""
         system = self.system
@@ -402,7 +399,7 @@ class MumfordFlow(StateFlow[Path]):
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus of a motion, which returns states in floats; None if there is none or it is not confirmed."""
-        if not self._may_have_torus:
+        if not (self._of_a_torus and self._in_floats):
             return None
         try:
             torus = self._made_torus()
@@ -456,20 +453,15 @@ class MumfordFlow(StateFlow[Path]):
         """The states at times from a torus, shape (N, 2, n)."""
         import numpy as np
 
+        from integrable.mumford.columns import Column, Columns
+
         D = torus.at(times)
         if self._recorded is not None:
             states: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)
             return states
-        found = self._read_columns(times, D)
-        return np.stack([np.stack([x.hi for x in part], axis=1) for part in found], axis=1)
-
-    def _read_columns(self, times: np.ndarray, D: Extended) -> Point:
-        """The states of the pairs D at times, as columns."""
-        from integrable.mumford.columns import Column, Columns
-
         N = Columns()
-        columns: Point = self.system._back(N, self._inner(N), D, Column(times))
-        return columns
+        columns = self.system._back(N, self._inner(N), D, Column(times))
+        return np.stack([np.stack([x.hi for x in part], axis=1) for part in columns], axis=1)
 
     def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))

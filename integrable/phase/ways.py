@@ -112,18 +112,19 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
         if type(values) is list and _finite_sum(values):
             return np.array(values, dtype=FLOATS)
         if type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1:
+            found = values.copy()
             # all() takes twice as long as counting, and a sum of squares could overflow, with a warning
-            if np.count_nonzero(np.isfinite(values)) == len(values):
-                return values.copy()
+            if np.count_nonzero(np.isfinite(found)) == len(found):
+                return found
     items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
     return np.array(items, dtype=FLOATS if field == RR else object)
 
 
 def _finite_sum(values: list[Any]) -> bool:
-    """Whether the sum of a list is a finite float. Then its values are finite numbers of Python."""
+    """Whether the sum of a list is a finite float. Then all of its values are finite real numbers."""
     try:
         # NumPy takes longer to find out the type of the values; it would also read strings as floats
         total = sum(values)
-    except (ValueError, TypeError, OverflowError):
+    except Exception:
         return False
-    return type(total) is float and isfinite(total)
+    return isinstance(total, float) and isfinite(total)
