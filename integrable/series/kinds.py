@@ -45,7 +45,7 @@ LINE = 64
 
 
 Formula = Callable[[SymbolField, Sequence[Any]], Sequence[object]]
-Given = tuple[Sequence[float], Sequence[float]]
+Departure = tuple[Sequence[float], Sequence[float]]
 """The constants and the start of a motion."""
 
 
@@ -147,7 +147,7 @@ class Kind:
         more = self._reached((constants, state), times[left], most, (FINEST,))
         return self._joined([near, more.among(left)])
 
-    def _reached(self, given: Given, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
+    def _reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
         """The states at times of either sign, in any order, that the steps of ``plan`` reach."""
         # times are mostly in the order of a walk
         found = self._in_order(given, times, most, plan)
@@ -161,7 +161,7 @@ class Kind:
                 parts.append(part.among(order))
         return self._joined(parts)
 
-    def _in_order(self, given: Given, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
+    def _in_order(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
         """The states at times of one sign in ascending size; None for times in another order.
 
         Each tier of ``plan`` is tried at the times that the tiers before it have lost.
