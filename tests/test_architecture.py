@@ -86,11 +86,17 @@ def tree(name: str) -> ast.Module:
     return ast.parse(modules()[name].read_text(encoding="utf-8"))
 
 
+@cache
+def nodes(name: str) -> list[ast.AST]:
+    """All nodes of a module's tree, listed once for all tests."""
+    return list(ast.walk(tree(name)))
+
+
 def imported(name: str) -> set[str]:
     """The modules of both packages that a module imports, anywhere in it."""
     package = name.split(".") if modules()[name].name == "__init__.py" else name.split(".")[:-1]
     found = set()
-    for node in ast.walk(tree(name)):
+    for node in nodes(name):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -216,11 +222,11 @@ def words_of(name: str) -> set[str]:
     """The words of a module's code and strings, without its docstrings and the names that it defines."""
     documented = {
         id(node.body[0].value)
-        for node in ast.walk(tree(name))
+        for node in nodes(name)
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and isinstance(node.body[0], ast.Expr)
     }
     found = set()
-    for node in ast.walk(tree(name)):
+    for node in nodes(name):
         match node:
             case ast.Name(id=word) | ast.Attribute(attr=word) | ast.alias(name=word) | ast.keyword(arg=str(word)):
                 found.add(word)
@@ -236,7 +242,7 @@ def test_nothing_is_there_for_tests_alone():
     used = used.union(CALLED_BY_NUMBA, *map(words_of, modules()))
     plain = {"property", "cached_property", "staticmethod", "classmethod"}
     for module in modules():
-        for node in ast.walk(tree(module)):
+        for node in nodes(module):
             if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name not in used:
                 # decorated functions are registered somewhere
                 registered = {ast.unparse(decorator) for decorator in node.decorator_list} - plain
@@ -254,7 +260,7 @@ def test_functions_fit_on_a_screen_and_take_few_arguments():
     """At most 40 lines and 8 parameters, except a few compiled functions, which are all longer."""
     found = set()
     for module in modules():
-        for node in ast.walk(tree(module)):
+        for node in nodes(module):
             if isinstance(node, ast.FunctionDef):
                 lines = (node.end_lineno or 0) - node.lineno + 1
                 arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]

@@ -10,7 +10,8 @@ from math import acos, sin
 from typing import Any
 
 from integrable.classical.ellipsoid import Ellipsoid
-from integrable.mumford.flow import Point, long_digits
+from integrable.mumford.flow import Point
+from integrable.phase.precisions import long_digits
 from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted

@@ -19,13 +19,13 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
-from integrable.mumford.flow import RIGHT, element, long_digits
+from integrable.mumford.flow import RIGHT, element
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral, elements
-from integrable.phase.enclosure import ball_digits, exact_times, widest
+from integrable.phase.enclosure import Precisions, ball_digits, exact_times, widest
 from integrable.phase.made import Made
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
 from jacobian.element import Arithmetic, FormulaField, Numbers, Real, Value
@@ -137,7 +137,11 @@ class KdV(Made):
 
 
 class Wave:
-    """A solution u, returned by ``kdv.wave(state)``; ``at(x, t)`` evaluates it."""
+    """A solution u, returned by ``kdv.wave(state)``; ``at(x, t)`` evaluates it.
+
+    It is a function of x and t, not the motion of a state, and has no events, certificates or sensitivities. A two-gap
+    solution at a fixed x is a motion that has them: :class:`integrable.classical.two_gaps.TwoGaps`.
+    """
 
     def __init__(self, kdv: KdV, state: Eigenvalues) -> None:
         self.digits = long_digits(kdv.field)
@@ -178,15 +182,16 @@ class Wave:
         """
         import numpy as np
 
-        from integrable.mumford.enclosure import lost_bits, places
+        from integrable.moving_point.balls import Balls
+        from integrable.mumford.enclosure import EnclosedPlace, lost_bits
 
         wanted = ball_digits(self.kdv.field, digits)
-        motion = places(self._place, wanted)
+        motion = Precisions(lambda bits: EnclosedPlace(Balls(bits), self._place), wanted)
 
         def value(x: Real, t: Real) -> Real:
             if not self._genus:
                 return exact_times([self._edges[0]])[0]
-            lost = lost_bits(self._genus, max(abs(float(x)), abs(float(t))))
+            lost = lost_bits(self._genus, x, t)
             return motion.narrow(lambda place: self._ball(place, x, t), lost)[0]
 
         xs, ts = self._given(x, t)

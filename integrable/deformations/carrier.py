@@ -18,17 +18,16 @@ from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints
-from jacobian import RR
 from jacobian.element import FormulaField, Real
-from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
+from jacobian.errors import PrecisionLoss, shown, written
 from jacobian.inexact.long_field import LongField
 
 if TYPE_CHECKING:
     from integrable.motion.precise import Compute, Found
 
-__all__ = ["GUARD_DIGITS", "CurvesCarrier", "OnCurves", "digits_asked", "widened"]
+__all__ = ["GUARD_DIGITS", "CurvesCarrier", "OnCurves", "widened"]
 
 GUARD_DIGITS = 18
 ROUNDING = 6
@@ -149,7 +148,7 @@ class OnCurves(ManyDigits):
 
     def __init__(self, system: Hamiltonian, state: State, made: type[CurvesCarrier]) -> None:
         self._system, self._state, self._made = system, state, made
-        asked = digits_asked(system.field)
+        asked = long_digits(system.field)
         self.digits = asked
         super().__init__(asked, self.carrier_of(asked))
 
@@ -182,13 +181,6 @@ def with_axes(system: Any, order: Sequence[int]) -> Any:
         a, b, *poles = rest
         rest = a, b, *(poles[i] for i in order)
     return system._of_constants(system.field, (*(moments[i] for i in order), d, *rest))
-
-
-def digits_asked(K: Any) -> int:
-    """The digits to which states over RR or MP(digits) are rounded; ArgumentError for other fields."""
-    if K.exact or K.complex:
-        raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
-    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
 def widened(system: Hamiltonian, state: State, numbers: Any) -> tuple[Any, State]:

@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import ClassVar
 
 from integrable.deformations.carrier import CurvesCarrier, OnCurves
-from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.equations import BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.deformations.quick_states import QuickStates
 from integrable.motion.precise import RoundedRows
 from integrable.phase.state import State
@@ -24,7 +24,7 @@ __all__ = ["DeformedFlow"]
 ORDINARY = 1e-6
 
 
-class DeformedFlow(EnclosedMotion):
+class DeformedFlow(HamiltonianMotion):
     """The motion of a deformation through a state at any time, by additions on two elliptic curves, over RR or MP(n).
 
     It is the base class of the flows that ``system.flow`` returns. The inputs count as exact, and states are rounded

@@ -15,18 +15,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.motion.trajectory import Motion
 from integrable.moving_point.balls import BOUND_BITS, Balls, picard_box
 from integrable.moving_point.balls import around as widened
-from integrable.phase.enclosure import Enclosure, ball_digits, exact_times, rounded_up, widest
+from integrable.phase.enclosure import Enclosure, exact_times, rounded_up, widest
 from integrable.phase.state import State, onto_constraints
 from integrable.series.recurrences import coefficients, values_at
 from integrable.series.tape import CONSTANT, ROOT, recorded
-from jacobian.element import Numbers, Real
+from jacobian.element import Real
 from jacobian.errors import Infeasible, PrecisionLoss, written
 from jacobian.progress import Progress
 
-__all__ = ["EnclosedMotion"]
+__all__ = ["enclosed_states"]
 
 if TYPE_CHECKING:
     from flint import acb, arb
@@ -49,33 +48,28 @@ SMALLEST_DISC = 1e-15
 """
 
 
-class EnclosedMotion(Motion):
-    """The base class of the motions of deformations. It encloses states in balls, from the equations of motion."""
+def enclosed_states(system: Hamiltonian, state: State, given: list[Real], digits: int, in_tau: bool) -> Enclosure:
+    """Enclosures of the states at physical times, or at values of τ.
 
-    def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
-        """Enclosures of the states at physical times: balls of radius at most 10^(−digits) that provably contain them.
-
-        The radius of M is relative to |M| at the start, unless that is 0. The inputs count as exact, except that γ is
-        normalized and M is made orthogonal to γ. ``digits`` defaults to those of the field, 15 for RR. Infeasible if
-        more than 4,000 steps are needed; PrecisionLoss if no such balls are found, as beyond the end of a motion.
-        (:mod:`integrable.deformations.enclosed`)
-        """
-        given, wanted = list(self._checked(times, "times")), ball_digits(self.system.field, digits)
-        rows: dict[int, Row] = {}
-        for ahead in (True, False):
-            order = sorted((i for i in range(len(given)) if (given[i] >= 0) == ahead), key=lambda i: abs(given[i]))
-            found = _narrow(self.system, self.state, [given[i] for i in order], wanted) if order else []
-            rows.update(zip(order, found, strict=True))
-        return Enclosure(exact_times(given), [rows[i] for i in range(len(given))])
+    The radius of M is relative to |M| at the start, unless that is 0. Infeasible if more than 4,000 steps are needed;
+    PrecisionLoss if no such balls are found, as beyond the end of a motion.
+    """
+    rows: dict[int, Row] = {}
+    for ahead in (True, False):
+        order = sorted((i for i in range(len(given)) if (given[i] >= 0) == ahead), key=lambda i: abs(given[i]))
+        found = _narrow(system, state, [given[i] for i in order], digits, in_tau) if order else []
+        rows.update(zip(order, found, strict=True))
+    times = None if in_tau and system.body.rolls else exact_times(given)
+    return Enclosure(times, [rows[i] for i in range(len(given))])
 
 
-def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int) -> list[Row]:
+def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int, in_tau: bool) -> list[Row]:
     """The rows at times of one sign in ascending size, computed with as many bits as they need."""
     # the bits that balls lose grow with time; the bits by which M outgrows its unit do not
-    needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS).outgrown()
+    needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS, in_tau).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
-        march = _March(system, state, bits)
+        march = _March(system, state, bits, in_tau)
         with march.reals:
             rows, left = march.rows(times, digits), march.left(times[-1])
         if len(rows) == len(times):
@@ -101,9 +95,9 @@ class _Around(NamedTuple):
 
 
 class _March:
-    """The motion in balls of ``bits`` bits, step by step; use it inside ``with march.reals``."""
+    """The motion in t, or in τ, in balls of ``bits`` bits, step by step; use it inside ``with march.reals``."""
 
-    def __init__(self, system: Hamiltonian, state: State, bits: int) -> None:
+    def __init__(self, system: Hamiltonian, state: State, bits: int, in_tau: bool = False) -> None:
         import flint
 
         self._flint = flint
@@ -112,9 +106,11 @@ class _March:
         with balls:
             wide = system.over(balls)
             start = onto_constraints(wide, state)
-            self._rolls, zero = system.body.rolls, wide.field.zero
-            self._point = [*start.row, *([zero] if self._rolls else [])]
-            self._tape = recorded(right_hand_sides(wide), len(self._point))
+            rolls, zero = system.body.rolls, wide.field.zero
+            # the variable after γ and M is τ at d ≠ 0, or t if the motion is in τ
+            self._point = [*start.row, *([zero] if rolls else [])]
+            self._finds_tau = rolls and not in_tau
+            self._tape = recorded(right_hand_sides(wide, physical=not in_tau), len(self._point))
             # a start at rest gives no unit for M
             M = start.vectors[1]
             self._momentum = wide.field.dot(M, M).sqrt() if any(state.vectors[1]) else wide.field.one
@@ -144,7 +140,7 @@ class _March:
             width = widest((gamma, 1), (M, self._momentum))
             if not width < least:
                 return found
-            found.append((point[6] if self._rolls else time, gamma, M, rounded_up(width)))
+            found.append((point[6] if self._finds_tau else time, gamma, M, rounded_up(width)))
         return found
 
     def left(self, end: Real) -> float:

@@ -82,7 +82,7 @@ class NearWalk(Integration):
         if system.field != RR:
             return None
         kind, rolls = kind_in(system, physical), system.body.rolls
-        # at d ≠ 0 the variable after γ and M is τ, or t if the walk is in τ
+        # at d ≠ 0 a third vector follows γ and M: (τ, 0, 0), or (t, 0, 0) if the walk is in τ
         given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
         most = self._cost.of(len(times))
         near = kind.walked(*given, times, most)

@@ -161,6 +161,16 @@ class Hamiltonian(Made):
         """The derivatives (γ̇, Ṁ), as a State."""
         return self._rates(self._checked(state))
 
+    def linearized(self, state: State) -> np.ndarray:
+        """The derivatives of (γ̇, Ṁ) with respect to (γ, M) at a state, shape (6, 6)."""
+        import numpy as np
+
+        jets = JetField(self.field, 6)
+        g1, g2, g3, m1, m2, m3 = jets.variables(self._checked(state).row)
+        system = self._of_constants(jets, [*map(jets.constant, self.constants)])
+        rates = system._rates(State((g1, g2, g3), (m1, m2, m3))).row
+        return np.array([jets.coerce(x).slopes for x in rates], dtype=float if self.field == RR else object)
+
     def rates_in(self, numbers: Field, y: Sequence[Real]) -> list[Real]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
         rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))

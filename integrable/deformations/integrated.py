@@ -7,16 +7,21 @@ from functools import cached_property
 
 import numpy as np
 
-from integrable.deformations.carrier import GUARD_DIGITS, digits_asked, widened
-from integrable.deformations.enclosed import EnclosedMotion
+from integrable.deformations.carrier import GUARD_DIGITS, widened
 from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.deformations.taylor import integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
+from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
-from integrable.phase.state import State
+from integrable.phase.jets import Jet, JetField
+from integrable.phase.precisions import long_digits
+from integrable.phase.state import State, onto_constraints
 from integrable.phase.ways import InOrder, Way
+from integrable.portrait.differences import Inputs
+from integrable.portrait.sensitivity import Sensitivity, in_field
 from integrable.series.tape import recorded
 from jacobian import MP
 from jacobian.element import Real
@@ -28,13 +33,15 @@ __all__ = ["IntegratedMotion"]
 # a step has STEP_DIGITS guard digits; all steps together may lose LOST_DIGITS digits of H and K
 STEP_DIGITS = 2
 LOST_DIGITS = 3
+# a step of derivatives has VARIED_DIGITS guard digits, which all steps together may lose
+VARIED_DIGITS = 6
 # rates within 2^±USUAL are not rescaled, which saves one product per rate
 USUAL = 10
 # the sizes of H and K are found from this relative change of coordinates, which changes K even at a double zero of K
 PART = 1.2345e-4
 
 
-class IntegratedMotion(EnclosedMotion):
+class IntegratedMotion(HamiltonianMotion):
     """The motion of a deformation through a state, by Taylor series of ``system.vector_field``, over RR or MP(digits).
 
     Everything is computed with guard digits, in double-doubles for floats. Each step is accurate to the last digit, and
@@ -49,7 +56,7 @@ class IntegratedMotion(EnclosedMotion):
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         # this raises ArgumentError for fields other than RR or MP(digits)
-        digits_asked(system.field)
+        long_digits(system.field)
 
     @cached_property
     def _equations(self) -> IntegratedStates:
@@ -65,12 +72,17 @@ class IntegratedMotion(EnclosedMotion):
         # rows that the integration reached before a refused time are kept
         return self._equations.kept(given, physical, nan) if found is None else Rows(*found)
 
+    def _by_variations(self, run: Trajectory) -> Sensitivity:
+        inputs, names = self._inputs()
+        matrix = in_field(self.system.field, self._equations.derivatives(run.times, inputs))
+        return Sensitivity(run.times, matrix, None, self.method, self, names)
+
 
 class IntegratedStates(Integration):
     """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
-        self._field, self._asked = system.field, digits_asked(system.field)
+        self._field, self._asked = system.field, long_digits(system.field)
         self._system, self._state = widened(system, state, MP(self._asked + GUARD_DIGITS))
 
     def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -105,6 +117,48 @@ class IntegratedStates(Integration):
         unit = wide.context.ldexp(wide.one, -exponent)
         slowed = (lambda y: [unit * x for x in rates(y)]) if exponent else rates
         return integrate(wide, recorded(slowed, len(start)), start, times, digits, refused, float(unit))
+
+    def derivatives(self, given: np.ndarray, inputs: Inputs) -> np.ndarray:
+        """The derivatives of (γ, M) at physical times with respect to the inputs, in mpf, (N, 6, inputs).
+
+        PrecisionLoss if they do not take the rates at the start to those at the times.
+        """
+        times = [0, *given.tolist()]
+        columns = [self._varied(times, inputs.numbers, k) for k, size in enumerate(inputs.sizes) if size]
+        (_, first), *found = (np.split(rows, 2) for rows in np.stack(columns, axis=2))
+        begin = np.array(self._system.vector_field(self._state).row)
+        # the inputs meet the constraints only to their own digits
+        begin = begin + (begin - first[:, :6] @ begin)
+        for time, (rows, matrix) in zip(given, found, strict=True):
+            row = rows[:, 0].tolist()
+            rates = np.array(self._system.vector_field(State((row[0], row[1], row[2]), (row[3], row[4], row[5]))).row)
+            gap = max(abs(matrix[:, :6] @ begin - rates)) / max(abs(matrix[:, :6] * begin).ravel())
+            missing = digits_of(gap) + self._asked
+            if missing > 0:
+                raise PrecisionLoss(
+                    f"times: the derivatives at {time} are {missing} digits short; times nearer to 0 are within reach, "
+                    "or an MP field of more digits"
+                )
+        return np.array([matrix for _, matrix in found]).reshape(len(found), 6, len(columns))
+
+    def _varied(self, given: Sequence[Real], numbers: Sequence[Real], k: int) -> np.ndarray:
+        """The states at physical times and their derivatives with respect to number ``k`` of the inputs, (N, 12)."""
+        wide, exponent = self._system.field, self._exponent
+        jets = JetField(wide, 1)
+        y = [Jet(jets, wide.coerce(x), (wide.one if i == k else wide.zero,)) for i, x in enumerate(numbers)]
+        system = self._system._of_constants(jets, y[6:])
+        start = onto_constraints(system, State((y[0], y[1], y[2]), (y[3], y[4], y[5]))).row
+        unit = wide.context.ldexp(wide.one, -exponent)
+
+        def rates(y: Sequence[Real]) -> list[Real]:
+            a, b, c, d, e, f = (Jet(jets, x, (slope,)) for x, slope in zip(y[:6], y[6:], strict=True))
+            found = system._rates(State((a, b, c), (d, e, f))).row
+            return [unit * x for x in (*(jet.value for jet in found), *(jet.slopes[0] for jet in found))]
+
+        begin = [*(jet.value for jet in start), *(jet.slopes[0] for jet in start)]
+        times = [wide.context.ldexp(wide.coerce(x), exponent) for x in given]
+        tape = recorded(rates, len(begin))
+        return np.array(integrate(wide, tape, begin, times, self._asked + VARIED_DIGITS, None, float(unit)))
 
     @property
     def _exponent(self) -> int:

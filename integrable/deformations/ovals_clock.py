@@ -1,7 +1,8 @@
-"""Physical time along a tilde flow at d ≠ 0 in many digits, t = ∫dτ/g: the modes of 1/g on the torus of two ovals.
+"""Physical time along a motion of a tilde pair at d ≠ 0 in many digits, t = ∫dτ/g: the modes of 1/g on the torus of
+its two ovals.
 
-g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends only on z_k(θ_k), which are even and periodic in the phases θ_k = 2π(τ +
-since_k)/T_k. So 1/g = Σ c_mn cos mθ1 cos nθ2.
+g² = Σ weight_k(1 + dz_k) (:class:`integrable.deformations.oval.Pace`), where z_k on curve k is an even and periodic
+function of the phase θ_k = 2π(τ + since_k)/T_k, with the period T_k. So 1/g = Σ c_mn cos mθ1 cos nθ2.
 """
 
 from __future__ import annotations

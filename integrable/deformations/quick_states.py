@@ -22,10 +22,8 @@ from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import OvalThetas
 from integrable.mumford.recorded import PairField, PointFormulas, flat, shaped
 from integrable.series.tape import recorded
-from integrable.torus.clock import FIRST_SIZE, RateSpectrum, TorusClock, resolved_spectrum
-from integrable.torus.long_clock import RESONANT
+from integrable.torus.clock import FIRST_SIZE, TorusClock, resolved_spectrum, turns_in
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.series import in_resonance
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
@@ -132,7 +130,7 @@ class QuickStates:
             return None
         packed = self._packed(carrier)
         clock = packed and self._clock(carrier)
-        if packed is None or clock is None:
+        if packed is None or clock is None or turns_in(times, clock.paces) > clock.clock.most:
             return None
         phases, tau = clock.clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
@@ -176,10 +174,10 @@ class QuickClock:
         scale = SWIFT * 2 * np.pi * max(turns)
         given = partial(samples, pace, packed), grid_resolving(pace), MOST_SAMPLES
         self._spectrum = resolved_spectrum(loops, *given, turns, scale, NOISE)
-        check_no_resonance(self._spectrum, turns)
         mean = Column(*self._spectrum.values[0])
         row = np.array([*((x.hi, x.lo) for x in (*packed.rates, mean)), loops.circle[0]])
         self.clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
+        self.paces = [nu / float(mean.hi) for nu in turns]
 
     def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.
@@ -212,17 +210,6 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
     return first, second
-
-
-def check_no_resonance(spectrum: RateSpectrum, turns: list[float]) -> None:
-    """Raises PrecisionLoss for a mode nearly in resonance: floats would lose digits of its large oscillation."""
-    values, (rows, columns), _ = spectrum
-    modes = np.hypot(*values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].T).reshape(-1, columns)
-    first = np.arange(rows // 2 + 1)[:, None] * turns[0]
-    second = np.fft.fftfreq(columns, 1 / columns)[None, :] * turns[1]
-    close = np.abs(first + second) < RESONANT * (np.abs(first) + np.abs(second))
-    for k, m in np.argwhere(close & (modes > NOISE * modes[0, 0])).tolist():
-        raise in_resonance(k, m)
 
 
 def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:

@@ -59,7 +59,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
     """(γ, M) of the tilde pair without potential, from the points on both curves, with axes in ascending order of the
     moments.
     """
-    # since μ1 > 0 > μ2, the axis of the smallest moment has e₃ on the first curve and e₁ on the second
+    # roots of a curve are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on the
+    # first curve
     p, q, (mu1, mu2) = first[2::-1], second[:3], frame.mu
     f1, f2 = 1 / (1 + frame.d * first[3]), 1 / (1 + frame.d * second[3])
     e = [w * x * y for w, x, y in zip(frame.weights, p, q, strict=True)]
@@ -119,7 +120,7 @@ class OvalCarrier(CurvesCarrier):
             self.frame, self.shown = self.frame._replace(side=-K.one), ((-x[0], -x[1], -x[2]), M)
 
     def _on_curves(self, e: Sequence[Real], slope: Sequence[Real]) -> None:
-        """Makes the curves through the image e = w/|M| of the start and its derivative ``slope``."""
+        """Makes both curves with their points at the start, from e = w/|M| there and its derivative ``slope``."""
         body, one = self.pair.body, self.field.one
         product = body.contact[0] * body.contact[1] * body.contact[2]
         self.mu = self.lambdas[0] * product, self.lambdas[1] * product

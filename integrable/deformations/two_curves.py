@@ -257,17 +257,18 @@ class CurveTranslation(Step):
 
     def __call__(self, state: State) -> State:
         """The image of a state."""
+        state = self.system._checked(state)
         if self.system.field.exact:
             here = divisors(self.system, state)
             return from_divisors(self.system, TwoPoints(*map(self._sum, range(2), here)), like=state)
         try:
-            return SeparatedFlow(self.system, state).translated(self._time)
+            return SeparatedFlow(self.system, self.system._checked(state)).translated(self._time)
         except PrecisionLoss as error:
             raise PrecisionLoss(f"multiple = {written(self.multiple)}: as of a motion for so long, {error}") from None
 
     def divisor(self, state: State) -> TwoPoints:
         """The divisors that are added on the curves of a state."""
-        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(divisors(self.system, state))))
+        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(self.system.divisor(state))))
 
     def _sum(self, k: int, D: Divisor) -> Divisor:
         x, K, jacobian = self.points[k], self.system.field, D.jacobian
@@ -304,7 +305,7 @@ class CurveTranslation(Step):
 
 
 def curves_of(system: Hamiltonian) -> Hamiltonian:
-    """The tilde pair on whose curves the system moves: the system itself, or the tilde pair of A⁻¹."""
+    """The tilde pair on whose two curves the system moves: the system itself, or that with A⁻¹ in place of A."""
     isometry = system.isometry()
     return system if isometry is None else isometry.pair
 

@@ -198,14 +198,10 @@ class Rolling:
             count = int(max((sign * t for t in tau), default=0) / length)
             ends |= {K.coerce(sign * (k + 1) * length) for k in range(count)}
         cuts = sorted(ends)
-        parts = [self._gauss(a, b) for a, b in pairwise(cuts)]
+        parts = [integral(K, partial(self._at, 1), a, b, self.loss) for a, b in pairwise(cuts)]
         sums = np.cumsum([np.array([K.zero, K.zero]), *parts], axis=0)
         place = {t: k for k, t in enumerate(cuts)}
         return np.array([sums[place[t]] - sums[place[K.zero]] for t in tau], dtype=object).reshape(-1, 2)
-
-    def _gauss(self, first: Real, last: Real) -> np.ndarray:
-        """The integral of :meth:`rates` from ``first`` to ``last``."""
-        return integral(self.flow.system.field, lambda tau: self._at(1, tau), first, last, self.loss)
 
 
 def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:

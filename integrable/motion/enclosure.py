@@ -10,7 +10,7 @@ the times count as exact; γ is divided by |γ|, and M (of an upright state) los
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from math import ceil
 from typing import TYPE_CHECKING
@@ -20,9 +20,9 @@ from mpmath import mag, nstr
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BOUND_BITS, Balls, BallTranslations, around, picard_box, time_after
+from integrable.moving_point.balls import BOUND_BITS, Balls, BallTranslations, around, picard_box
 from integrable.moving_point.problem import Problem, vectors
-from integrable.phase.enclosure import Enclosure, Precisions, exact_times, is_bounded, widest
+from integrable.phase.enclosure import Enclosure, Precisions, enclosed, exact_times, is_bounded, widest
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.progress import Progress
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flint import acb, arb
 
     from integrable.phase.body import Body
-    from integrable.phase.enclosure import Row
+    from integrable.phase.enclosure import Vectors
     from integrable.phase.state import State
 
 # the sum of the semi-axes of a panel's Bernstein ellipse, in units of half the panel; a larger sum means shorter panels
@@ -46,16 +46,10 @@ MOST_DOUBLINGS = 1000
 def enclosure(body: Body, state: State, times: Sequence[Real], digits: int, in_tau: bool) -> Enclosure:
     """Enclosures of the states at physical times, or at values of τ."""
     motions = Precisions(partial(BallMotion, body, state, digits), digits)
-    if in_tau:
-        at_tau = [_row(motions, partial(BallMotion.scaled, t=t), _lost(body, state, t)) for t in times]
-        return Enclosure(None if body.rolls else exact_times(times), at_tau)
-    starts = PreciseFlow(body, state, digits).at(list(times))[0] if body.rolls else times
-    # all times use the precision of the farthest time, so that they share the panels of one motion
-    lost, rows = max((_lost(body, state, tau) for tau in starts), default=0), {}
-    # the farthest time comes first, because it may need more bits, which the later rows then share
-    for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
-        rows[i] = _row(motions, partial(BallMotion.tau_at, t=times[i], guess=starts[i]), lost)
-    return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
+    clocked = body.rolls and not in_tau
+    guesses = PreciseFlow(body, state, digits).at(list(times))[0] if clocked else None
+    rows = enclosed(motions, times, guesses, partial(_lost, body, state))
+    return Enclosure(None if in_tau and body.rolls else exact_times(times), rows)
 
 
 def _lost(body: Body, state: State, tau: Real) -> int:
@@ -67,18 +61,6 @@ def _lost(body: Body, state: State, tau: Real) -> int:
             f"tau = {nstr(tau, 5)}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time"
         )
     return LOST * doublings
-
-
-def _row(motions: Precisions[BallMotion], place: Callable[[BallMotion], arb], lost: int) -> Row:
-    """(τ, γ, M, radius) at the τ, in the flow's units, that ``place`` returns for a motion."""
-
-    def read(motion: BallMotion) -> tuple[tuple[arb, tuple[arb, ...], tuple[arb, ...]], arb]:
-        tau, problem = place(motion), motion.problem
-        gamma, M = vectors(motion.point(tau), problem.momentum, problem.matrix)
-        return (tau / problem.time_scale, gamma, M), widest((gamma, 1), (M, problem.momentum))
-
-    (tau, gamma, M), radius = motions.narrow(read, lost)
-    return tau, gamma, M, radius
 
 
 class BallMotion:
@@ -102,7 +84,7 @@ class BallMotion:
         # ``_sums`` has the integrals over whole panels in either direction
         self._half, self._reach = 0.0, 1.0
         self._sums: dict[int, list[arb]] = {}
-        self._kept_nodes: tuple[float, list[tuple[tuple[arb, ...], arb]]] | None = None
+        self._kept_nodes: list[tuple[tuple[arb, ...], arb]] = []
 
     def point(self, tau: arb) -> tuple[arb, ...]:
         """The moving point at a ball τ, in the flow's units."""
@@ -121,22 +103,18 @@ class BallMotion:
             raise PrecisionLoss("a time is not known well enough to enclose the state there: use more digits")
         return tuple(map(around, point, found[1]))
 
-    def scaled(self, t: Real) -> arb:
-        """A time in the user's units, converted to those of the flow."""
-        return self.field.coerce(t) * self.problem.time_scale
+    def scaled(self, time: Real) -> arb:
+        return self.field.coerce(time) * self.problem.time_scale
 
-    def tau_at(self, t: Real, guess: Real) -> arb:
-        """τ, in the flow's units, at the physical time t, from a guess in the user's units."""
-        problem, target = self.problem, self.scaled(t)
-        if not problem.matrix and problem.d == 0:
-            return target
-        tau = self.scaled(guess).mid()
-        if t == 0:
-            return self.field.zero
-        rest = target - self.time(tau)
-        return time_after(tau, rest, lambda around: addition.rate_at(problem.axes, self.point(around)))
+    def state(self, tau: arb, time: Real) -> tuple[Vectors, arb]:
+        problem = self.problem
+        gamma, M = vectors(self.point(tau), problem.momentum, problem.matrix)
+        return (tau / problem.time_scale, gamma, M), widest((gamma, 1), (M, problem.momentum))
 
-    def time(self, tau: arb) -> arb:
+    def rate(self, tau: arb) -> arb:
+        return addition.rate_at(self.problem.axes, self.point(tau))
+
+    def clock(self, tau: arb) -> arb:
         """∫_0^τ dτ/g for an exact τ ≠ 0; its panels are cached for later times."""
         if not self._half:
             self._half = self._bounded_disc(self._start, 1.0, 0)[0] * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
@@ -152,6 +130,7 @@ class BallMotion:
                 return found
             self._half *= 0.7
             self._sums.clear()
+            self._kept_nodes.clear()
 
     def _swept(self, tau: arb, whole: int) -> arb | None:
         """∫dτ/g over ``whole`` panels and the remainder up to τ; None where a disc of analyticity is too small for a
@@ -189,14 +168,14 @@ class BallMotion:
 
     def _nodes(self, half: arb) -> list[tuple[tuple[arb, ...], arb]]:
         """The pairs (translation, weight) for the nodes of a panel's rule; the pairs of whole panels are cached."""
-        if self._kept_nodes is not None and self._kept_nodes[0] == self._half and abs(half) == self._half:
-            return self._kept_nodes[1]
+        whole = abs(half) == self._half
+        if whole and self._kept_nodes:
+            return self._kept_nodes
         count = 2 * ceil(((self._digits + 8) / 0.954 + 3) / 2)
         rule = [self._flint.arb.legendre_p_root(count, k, weight=True) for k in range(count // 2)]
         nodes = [(self._translations.near(half * x), w) for x, w in rule]
         nodes += [(opposite(step), w) for step, w in nodes]
-        if abs(half) == self._half:
-            self._kept_nodes = self._half, nodes
+        self._kept_nodes = nodes if whole else self._kept_nodes
         return nodes
 
     # --- a disc of complex τ on which the motion is analytic
@@ -226,31 +205,17 @@ class BallMotion:
         """
         f = self.problem.f
         u0, u1, v0, v1, *pairs = point
-        w2 = f[4] - u1 * f[5]
-        w1 = f[3] - u1 * w2 - u0 * f[5]
-        w0 = f[2] - v1 * v1 - u1 * w1 - u0 * w2
+        w0, w1, w2, _ = addition.cofactor_at(f, (u0, u1, v0, v1))
         s0 = w1 - u0 * f[5]
-        velocity = [
-            v1 * u0 - u1 * v0,
-            -v0,
-            (u1 * w0 - s0 * u0) / 2,
-            (w0 + u1 * w1 - s0 * u1 - w2 * u0) / 2,
-        ]
-        alphas = self.problem.axes[:3]
-        velocity += [(v1 * x - (a + u1) * y) / 2 for a, x, y in zip(alphas, pairs[:3], pairs[3:], strict=True)]
-        velocity += [
-            -(((f[5] * a + w2) * a + s0) * x + v1 * y) / 2 for a, x, y in zip(alphas, pairs[:3], pairs[3:], strict=True)
-        ]
-        return velocity
+        velocity = [v1 * u0 - u1 * v0, -v0, (u1 * w0 - s0 * u0) / 2, (w0 + u1 * w1 - s0 * u1 - w2 * u0) / 2]
+        lifts = list(zip(self.problem.axes[:3], pairs[:3], pairs[3:], strict=True))
+        velocity += [(v1 * x - (a + u1) * y) / 2 for a, x, y in lifts]
+        return velocity + [-(((f[5] * a + w2) * a + s0) * x + v1 * y) / 2 for a, x, y in lifts]
 
     def _rate_bound(self, box: Sequence[acb]) -> arb | None:
         """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
-        a1, a2, a3 = self.problem.axes[:3]
-        x1, x2, x3, y1, y2, y3 = box[4:]
-        square = (x1 * x1 + x2 * x2 + x3 * x3).real
-        if not square > 0:
+        # 1/g is analytic on the box if the square of its denominator does not meet the cut of the root
+        if not sum(x * x for x in box[4:7]).real > 0:
             return None
-        lean = (a3 - a2) * y1 * x2 * x3 + (a1 - a3) * y2 * x3 * x1 + (a2 - a1) * y3 * x1 * x2
-        alpha, beta = self.problem.axes[6:]
-        bound = (abs(alpha) + abs(beta) * lean.abs_upper()) / square.sqrt()
+        bound = abs(addition.rate_at(self.problem.axes, box))
         return bound.abs_upper() if bound.is_finite() else None

@@ -18,7 +18,6 @@ import numpy as np
 from integrable.motion.domain import check_domain
 from integrable.motion.short import ShortRuns
 from integrable.motion.trajectory import BodyMotion, Trajectory
-from integrable.moving_point.setup import Setup
 from integrable.phase.body import Body, symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
@@ -95,11 +94,6 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         if state.tilted:
             # this raises if M ∥ γ in the precision of the state
             leaning(field, *state.vectors)
-
-    @cached_property
-    def setup(self) -> Setup:
-        """The data computed once for the motion, before its first state."""
-        return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
     @cached_property
     def portrait(self) -> Portrait:
@@ -187,7 +181,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
         return finer(self, times, K)
 
-    def _sensitivity_on_torus(self, run: Trajectory) -> Sensitivity | None:
+    def _by_variations(self, run: Trajectory) -> Sensitivity | None:
         return self._variations.resolved(self, run) if self._variations else None
 
     def _secular(self, times: np.ndarray) -> np.ndarray:

@@ -148,7 +148,8 @@ class BodyMotion(Motion):
 
     @cached_property
     def setup(self) -> Setup:
-        raise NotImplementedError
+        """The data computed once for the motion, before its first state."""
+        return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
     @cached_property
     def contact_on_torus(self) -> Any:
@@ -173,7 +174,7 @@ class Trajectory(Run[State], Exported):
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
     is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by one of the names in
     :data:`WAYS`. ``reasons``: see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and
-    ``digits`` are set by :meth:`integrable.motion.flow.Flow.certify`, otherwise None. Arrays are read-only; a
+    ``digits`` are set by ``flow.certify``, otherwise None. Arrays are read-only; a
     ``.copy()`` is not.
     """
 

@@ -11,10 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
+from operator import methodcaller
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from integrable.moving_point.addition import carried
 from integrable.moving_point.translations import Expansion, Translations
+from integrable.phase.enclosure import MOST_TRIALS
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 from jacobian.numbers.long_reals import BallReals
@@ -24,7 +27,6 @@ if TYPE_CHECKING:
 
 Values = TypeVar("Values")
 
-MOST_TRIALS = 12
 MOST_BOXES = 6
 # Σ_{i = 0 … k} (k + 1)²/((i + 1)²(k − i + 1)²) is less than this for all k: it is at most 4Σ1/i² = 2π²/3
 CONVOLVED = 6.6
@@ -35,25 +37,13 @@ BOUND_BITS = 64
 HALVED_ONCE_MORE = 300
 
 
-class _Elementary:
-    """exp and log of balls."""
-
-    @staticmethod
-    def exp(x: arb | acb) -> arb | acb:
-        return x.exp()
-
-    @staticmethod
-    def log(x: arb | acb) -> arb | acb:
-        return x.log()
-
-
 class Balls(InexactField["arb | acb"]):
     """The field of balls of ``bits`` bits, real or complex, in place of long numbers; enter it with ``with``. Given
     numbers are taken as exact.
     """
 
     name = "balls"
-    context = _Elementary()
+    context = SimpleNamespace(exp=methodcaller("exp"), log=methodcaller("log"))
 
     def __init__(self, bits: int, complex: bool = False) -> None:
         from flint import acb
@@ -122,23 +112,6 @@ def picard_box(
             return box, reach
         sizes = [max(s, 1.05 * x) for x, s in zip(reach, sizes, strict=True)]
     return None
-
-
-def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
-    """A ball that contains the τ at which a clock has advanced by ``rest`` since the exact ``tau``, by the interval
-    Newton method. ``rate`` gives dt/dτ on a ball of τ and must be provably positive. PrecisionLoss if no ball is found.
-    """
-    from flint import arb
-
-    width = abs(rest).abs_upper() * 4
-    for _ in range(MOST_TRIALS):
-        slope = rate(tau + arb(0, width))
-        step = rest / slope
-        # over this ball t(τ) increases by more than the rest, so that the ball contains the wanted τ
-        if slope > 0 and abs(step).abs_upper() < width:
-            return tau + step
-        width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
-    raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
 
 
 class BallTranslations(Translations):

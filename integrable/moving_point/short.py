@@ -62,7 +62,8 @@ STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, relative to a panel with nodes in floats
 CAREFUL = 10
 # INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE the tolerance of H2 at centres. Near a
-# cluster of branch points centres lose most digits, and panels that share a centre then show no jump
+# cluster of branch points an addition loses most digits of a centre. Later centres are computed from it, so that no
+# jump between panels shows the error
 INTEGRALS, CENTRE = 1e-9, 1e-19
 # short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if errors of the
 # upright motion grow by a factor of more than 4·STEEPEST in γ or M

@@ -7,26 +7,23 @@ computed with the pair, as for geodesics, the interval Newton method finds τ at
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from math import frexp
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.balls import Balls, time_after
-from integrable.mumford.motion import Placed, Start
+from integrable.moving_point.balls import Balls
+from integrable.mumford.motion import Placed
 from integrable.mumford.translations import GroupTranslations, reference
-from integrable.phase.enclosure import Enclosure, Precisions, exact_times, widest
+from integrable.phase.enclosure import Enclosure, Precisions, enclosed, exact_times, widest
 from jacobian import poly
 from jacobian.element import Real
-from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
     from flint import acb, arb
 
-    from integrable.phase.enclosure import Row
-
-    Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
+    from integrable.phase.enclosure import Vectors
 
 # the initial allowance for lost bits is OF_GENUS times the genus, plus OF_DOUBLING times the genus for each doubling of
 # the time
@@ -73,14 +70,9 @@ class EnclosedPlace(Placed):
     _kind = EnclosedTranslations
 
 
-def places(place: Callable[[Any], Start], digits: int, complex: bool = False) -> Precisions[EnclosedPlace]:
-    """A motion in balls at any precision; ``place`` is that of :class:`integrable.mumford.motion.Placed`."""
-    return Precisions(lambda bits: EnclosedPlace(Balls(bits, complex), place), digits)
-
-
-def lost_bits(genus: int, farthest: float) -> int:
-    """A guess of the number of bits that balls lose until the time ``farthest`` ≥ 0."""
-    return genus * (OF_GENUS + OF_DOUBLING * max(0, frexp(farthest)[1]))
+def lost_bits(genus: int, *times: Real) -> int:
+    """A guess of the number of bits that balls lose until the farthest of some times."""
+    return genus * (OF_GENUS + OF_DOUBLING * max(0, *(frexp(float(t))[1] for t in times)))
 
 
 def enclosed_path(flow: Any, times: Sequence[Real], digits: int, in_tau: bool) -> Enclosure:
@@ -89,37 +81,37 @@ def enclosed_path(flow: Any, times: Sequence[Real], digits: int, in_tau: bool) -
     ``times`` are elements of the flow's field.
     """
     system = flow.system
-    motion = places(flow._place, digits, system.complex_data)
     clocked = system.clocked and not in_tau
-    rows: list[Row] = []
-    for time in times:
-        guess = flow.tau_near(time, digits + GUARD) if clocked else None
-        farthest = abs(float(time if guess is None else guess))
-        (tau, q, p), radius = motion.narrow(partial(_state, flow, time, guess), lost_bits(flow._genus, farthest))
-        rows.append((tau, q, p, radius))
-    return Enclosure(None if in_tau and system.clocked else exact_times(list(times)), rows, system.size)
+    guesses = [flow.tau_near(time, digits + GUARD) for time in times] if clocked else None
+    motions = Precisions(partial(PlaceOfFlow, flow), digits)
+    rows = enclosed(motions, times, guesses, partial(lost_bits, flow._genus))
+    return Enclosure(None if in_tau and system.clocked else exact_times(times), rows, system.size)
 
 
-def _state(flow: Any, time: Real, guess: Real | None, place: EnclosedPlace) -> tuple[Vectors, arb]:
-    """The enclosure (τ, q, p) of a state, and its radius."""
-    K, system = place.field, flow.system
-    when, start = K.coerce(time), flow._inner(K)
-    tau = when if guess is None else _tau(flow, place, when, guess)
-    state = system._back(K, start, place.at(tau), when)
-    vectors = [(now, _size(before, now)) for before, now in zip(start, state, strict=True)]
-    return (tau.real, *state), widest(*vectors)
+class PlaceOfFlow(EnclosedPlace):
+    """The motion of a ``MumfordFlow`` in balls."""
+
+    def __init__(self, flow: Any, bits: int) -> None:
+        self._flow, self._system = flow, flow.system
+        super().__init__(Balls(bits, self._system.complex_data), flow._place)
+
+    def scaled(self, time: Real) -> arb | acb:
+        return self.field.coerce(time)
+
+    def clock(self, tau: arb | acb) -> arb | acb:
+        return self._system._clock(self.field, self.at(tau))[0]
+
+    def rate(self, tau: arb | acb) -> arb | acb:
+        return self._system._clock(self.field, self.at(tau))[1]
+
+    def state(self, tau: arb | acb, time: Real) -> tuple[Vectors, arb]:
+        start = self._flow._inner(self.field)
+        state = self._system._back(self.field, start, self.at(tau), self.scaled(time))
+        vectors = [(now, _size(before, now)) for before, now in zip(start, state, strict=True)]
+        return (tau.real, *state), widest(*vectors)
 
 
 def _size(before: Sequence[arb], now: Sequence[arb]) -> Real:
     """A lower bound of the largest entry of a vector at the start and now; 1 if none is proven different from 0."""
     size = max(abs(x).abs_lower() for x in (*before, *now))
     return size if size > 0 else 1
-
-
-def _tau(flow: Any, place: EnclosedPlace, time: arb | acb, guess: Real) -> arb | acb:
-    """An enclosure of the τ that belongs to a time, for a motion with t among the data of its pairs."""
-    K, clock = place.field, flow.system._clock
-    if time == 0:
-        return time
-    (tau,) = LongField(K.bits).balls([guess])
-    return time_after(tau, time - clock(K, place.at(tau))[0], lambda around: clock(K, place.at(around))[1])

@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import long_digits
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
-from integrable.portrait.state_flow import StateFlow
+from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import at_once, quick_property, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -54,9 +54,6 @@ SHARE_OF_FINEST = 1 / 3
 TIMES_TO_TORUS = 6
 Angles = Sequence[tuple[Any, Any]]
 """The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
-# a panel of a search for events lasts PANEL_TURN divided by the fastest of the rates at PROBES times, so that its nodes
-# resolve q and p and their products
-PANEL_TURN, PROBES = 6.0, 8
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 
@@ -290,13 +287,6 @@ class MumfordFlow(StateFlow[Path]):
         floats = self._through(self._numbers, RR)
         return largest_rate([floats.system.linearized(floats.start)])
 
-    def _panel(self, first: float, last: float) -> float:
-        import numpy as np
-
-        states = zip(*self._states(np.linspace(first, last, PROBES)), strict=True)
-        fastest = largest_rate([self.system.linearized(Point(*map(tuple, x))) for x in states])
-        return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
-
     def _through(self, numbers: Iterable[Real], field: Any) -> Self:
         n, c, given = self.system.size, len(self.system.constants), tuple(map(field.coerce, numbers))
         q, p, constants, parameters = given[:n], given[n : 2 * n], given[2 * n : 2 * n + c], given[2 * n + c :]
@@ -465,22 +455,6 @@ class MumfordFlow(StateFlow[Path]):
 
     def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
-
-
-def largest_rate(matrices: Sequence[np.ndarray]) -> float:
-    """The largest modulus of the eigenvalues of all matrices."""
-    import numpy as np
-
-    return float(np.abs(np.linalg.eigvals(matrices)).max())
-
-
-def long_digits(K: Any) -> int:
-    """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
-    if K is RR:
-        return ROUNDED_TO_FLOATS
-    if K.exact or K.complex:
-        raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
-    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
 def element(K: Any, x: Real) -> Any:

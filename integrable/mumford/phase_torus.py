@@ -93,7 +93,9 @@ class PhaseTorus(FarTimes):
         return total
 
     def _moved(self, j: int, angles: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """The change of the sum of form j, without its poles, if the angles change by ``late``."""
+        """The first-order change of the sum of form j, without that of :meth:`_of_poles`, if the angles change by
+        ``late``.
+        """
         K, found = Columns(), np.zeros(len(angles))
         form = self._torus.forms[j]
         for k, (phi, move) in enumerate(zip(angles.T, late, strict=True)):

@@ -112,7 +112,9 @@ class PairFormulas:
         return self._back.fixed(N, numbers)
 
     def states(self, fixed: Row, D: Extended, times: np.ndarray) -> np.ndarray:
-        """The states of N pairs, whose numbers are columns, at times: q and p, shape (N, 2, n)."""
+        """The states of N pairs, each at its own time: q and p, shape (N, 2, n). Every number of ``D`` is a
+        :class:`integrable.mumford.columns.Column` of N numbers.
+        """
         rows = [*map(Column.of, flat((D.u[:-1], D.v, D.data))), Column(times)]
         given = np.zeros((len(rows), len(times), 2))
         for row, x in zip(given, rows, strict=True):

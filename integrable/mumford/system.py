@@ -14,12 +14,12 @@ from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar
 
 from integrable.mumford.fields import padded
-from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
+from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.motion import Start, settled_digits
 from integrable.phase.body import finite_floats
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.made import Made
-from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, Divisor, HyperellipticCurve, poly
 from jacobian.element import Element, FormulaField, Real, Value
@@ -205,7 +205,9 @@ class MumfordSystem(Made):
 
     @property
     def _varied(self) -> dict[str, float]:
-        """The size of a noticeable change of each constant and parameter, by name; 0 if it does not vary."""
+        """By name, the size of a change of each constant and parameter that changes motions noticeably; 0 for those by
+        which no derivative is taken.
+        """
         given = (value if isinstance(value, tuple) else (value,) for value in self.arguments.values())
         names = [
             f"{name}{i if len(x) > 1 else ''}"

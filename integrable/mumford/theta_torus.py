@@ -71,9 +71,9 @@ CLOSE_TURNS = 16
 FURTHER = 4.0
 # Newton's method ends if the computed start differs from the given one by less than ENOUGH. A torus is refused if rates
 # of lifts on it and by the equations of motion differ by more than OBEYED
-# (:func:`integrable.torus.pair_loops.lifts_strayed`). At up to AMPLIFIED points they may differ by ROUGHLY: in a narrow
-# peak of a lift, errors of 1e-23 of other lifts are amplified to 3e-12
-ENOUGH, OBEYED, AMPLIFIED, ROUGHLY = 1e-31, 1e-15, 2, 1e-10
+# (:func:`integrable.torus.pair_loops.lifts_strayed`). At up to AMPLIFIED of the CHECKED points they may differ by
+# ROUGHLY: in a narrow peak of a lift, errors of 1e-23 of other lifts are amplified to 4e-11
+ENOUGH, OBEYED, AMPLIFIED, ROUGHLY = 1e-31, 1e-15, 4, 1e-10
 # the time of the one witness, in turns of the faster phase
 WITNESS = 0.3
 
@@ -207,6 +207,7 @@ class ThetaTorus(FarTimes):
         self.paces = basis.frequencies[:, 0].tolist()
         if timed:
             self._clock = self._made_clock(N, basis, timed, found.length)
+            self.most = min(self.most, self._clock.most)
 
     @property
     def witnesses(self) -> np.ndarray:

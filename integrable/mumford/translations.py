@@ -180,7 +180,7 @@ class GroupTranslations:
                 value, first = (poly.evaluate(K, a, kind.e) for a in (u, start))
                 data.append(kind.of(self.group, u, v, K.sqrt(value / first)))
             elif isinstance(kind, PointLift):
-                # σ'/σ = ½U'(x)/U(x) + ½n(x)y/U(x) with the multiplier n; for σ̄, y is replaced by −y
+                # with ' = d/dτ and n of ``multiplier``, σ'/σ = ½U(x)'/U(x) + ½n(x)y/U(x); for σ̄, y is replaced by −y
                 value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
                 root, turn = K.sqrt(value / first), elementary(K, "exp", kind.y * next(integrals, K.zero) / 2)
                 data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))

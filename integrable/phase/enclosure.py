@@ -1,11 +1,15 @@
-"""States with proven bounds (enclosures), and the search for the number of bits that they need."""
+"""States with proven bounds (enclosures): the search for the number of bits that they need, and for τ at a time.
+
+Each engine defines its motion in balls (:class:`InBalls`), and :func:`enclosed` computes the rows.
+"""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import ceil
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -20,6 +24,8 @@ from jacobian.numbers.long_reals import BallReals
 if TYPE_CHECKING:
     from flint import arb
 
+    Vectors = tuple[arb, Sequence[arb], Sequence[arb]]
+    """τ and the two vectors of a state."""
     Row = tuple[arb, Sequence[arb], Sequence[arb], float]
     """τ, the two vectors of a state, and the largest radius."""
     Ends = tuple[tuple[int, int], tuple[int, int]]
@@ -27,6 +33,8 @@ if TYPE_CHECKING:
     Sizes = Sequence[float]
 
 MOST_LOST_BITS, MOST_ATTEMPTS = 2**15, 8
+# largest number of balls of τ tried by Newton's method
+MOST_TRIALS = 12
 # bits that results keep beyond the requested digits
 SPARE_BITS = 16
 
@@ -121,6 +129,64 @@ def _lost_bits(bits: int, radius: arb) -> int:
         return 0
     mantissa, exponent = radius.mid().man_exp()
     return max(0, bits + int(exponent) + int(mantissa).bit_length())
+
+
+class InBalls(Protocol):
+    """A motion in balls of one precision. ``scaled(time)`` is a time or a value of τ as an exact ball in the unit of
+    the motion; ``clock(tau)`` is t at an exact τ ≠ 0, and ``rate(tau)`` is dt/dτ on a ball of τ, in that unit.
+    ``state(tau, time)`` is the state at a ball τ, and its largest radius.
+    """
+
+    def scaled(self, time: Real) -> Any: ...
+
+    def clock(self, tau: Any) -> Any: ...
+
+    def rate(self, tau: Any) -> Any: ...
+
+    def state(self, tau: Any, time: Real) -> tuple[Vectors, arb]: ...
+
+
+Moving = TypeVar("Moving", bound=InBalls)
+
+
+def enclosed(
+    motions: Precisions[Moving], times: Sequence[Real], guesses: Sequence[Real] | None, lost: Callable[[Real], int]
+) -> list[Row]:
+    """The rows at times for which ``guesses`` are values of τ, or at values of τ if there are no guesses. ``lost`` is a
+    guess of the number of bits that balls lose until a τ.
+    """
+
+    def read(motion: Moving, i: int) -> tuple[Vectors, arb]:
+        tau = motion.scaled(times[i])
+        if guesses is not None and times[i] != 0:
+            near = motion.scaled(guesses[i]).mid()
+            tau = time_after(near, tau - motion.clock(near), motion.rate)
+        return motion.state(tau, times[i])
+
+    places = times if guesses is None else guesses
+    rows: dict[int, Row] = {}
+    # the farthest place comes first, because it may need more bits, which the later rows then share
+    for i in sorted(range(len(times)), key=lambda i: -abs(places[i])):
+        vectors, radius = motions.narrow(partial(read, i=i), lost(places[i]))
+        rows[i] = (*vectors, radius)
+    return [rows[i] for i in range(len(times))]
+
+
+def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
+    """A ball that contains the τ at which a clock has advanced by ``rest`` since the exact ``tau``, by the interval
+    Newton method. ``rate`` gives dt/dτ on a ball of τ and must be provably positive. PrecisionLoss if no ball is found.
+    """
+    from flint import arb
+
+    width = abs(rest).abs_upper() * 4
+    for _ in range(MOST_TRIALS):
+        slope = rate(tau + arb(0, width))
+        step = rest / slope
+        # over this ball t(τ) increases by more than the rest, so that the ball contains the wanted τ
+        if slope > 0 and abs(step).abs_upper() < width:
+            return tau + step
+        width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
+    raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
 
 
 def ball_digits(field: Any, digits: int | None) -> int:

@@ -52,7 +52,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
 
     by_start = differences(states, inputs, digits, size)[:, :, : 2 * flow.system.size]
     angles, actions, slopes = differences(numbers_of, inputs, digits, size)
-    # the least change of the start that changes one phase is tangent to the constraints
+    # of all changes of the start that change one phase and no other phase or action, the least is taken
     change = np.vstack([angles, actions])[:, : 2 * flow.system.size]
     square = change @ change.T
     columns = [pivoted([[*row, row[0] * 0 + (i == k)] for i, row in enumerate(square)]) for k in range(len(angles))]

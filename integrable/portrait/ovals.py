@@ -1,7 +1,7 @@
 """Integrals over the two ovals of a motion's curve, in floats or to the digits of a set-up.
 
-Let y = √|f| with f = 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1), the curve of the upright body, to which tildes refer
-(:mod:`integrable.phase.upright`). Let a₁ < a₂ < a₃ be the sorted a_i and ζ = h1/h̃2. The abscissa u1 moves in the oval
+Let y = √|f| with f = 4(1 − d̃x)Π(a_i − x)(x·H̃2 − H̃1), the curve of the upright body, to which tildes refer
+(:mod:`integrable.phase.upright`). Let a₁ < a₂ < a₃ be the sorted a_i and ζ = H̃1/H̃2. The abscissa u1 moves in the oval
 [a₁, min(ζ, a₂)] and u2 in [max(ζ, a₂), a₃]. The integrals are
 
     A_k = ∫x^k dx/y over the first oval, B_k = ∫x^k dx/y over the second.

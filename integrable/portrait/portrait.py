@@ -7,7 +7,9 @@ middle a, otherwise that of the largest. All means have closed forms, at any d a
 :mod:`integrable.portrait.ovals`: with D = A0B1 − A1B0 and N = √Π(1 − d̃a_i),
 
     ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN⟨1/√((1 − d̃u1)(1 − d̃u2))⟩, f = ν/⟨1/g⟩,
-    J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
+    J1 = (H̃1A0 − H̃2A1)/π, J2 = (H̃2B1 − H̃1B0)/π,
+
+u1 and u2 the abscissas in the two ovals.
 
 At (γ, M) = 0 the J_k = (1/2π)∮|p_k|du_k are the actions in the coordinates of
 :func:`integrable.phase.separation.to_separated`; at (γ, M) ≠ 0 they are those of the upright body. (Chaplygin 1903; at

@@ -47,7 +47,7 @@ class Sensitivity(Record):
     ``matrix`` has shape (N, 6, 10), or (N, 2n, 2n + m) for m constants: rows γ and M, or q and p. ``columns`` are the
     names of the inputs. The start varies within its constraints: columns of γ(0), q(0) and p(0) are derivatives along
     the axes projected onto the tangent plane. ``times`` has shape (N,). The entries lie in the field of the system.
-    ``way`` is "torus", or "differences" of motions in more digits.
+    ``way`` is "torus", "differences" of motions in more digits, or "integrated", from equations of variation.
     """
 
     def __init__(

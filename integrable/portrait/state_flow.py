@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from integrable.phase.enclosure import ball_digits
@@ -27,9 +27,14 @@ else:
     AnyRun = TypeVar("AnyRun")
 
 
+# a panel of a search for events lasts PANEL_TURN divided by the fastest of the rates at PROBES times, so that its nodes
+# resolve both vectors and their products
+PANEL_TURN, PROBES = 6.0, 8
+
+
 class StateFlow(Generic[AnyRun]):
-    """The motion of one state; the base of :class:`integrable.motion.flow.Flow` and
-    :class:`integrable.mumford.flow.MumfordFlow`. A state consists of two vectors: γ and M of a body, or q and p.
+    """The motion of one state; the base of :class:`integrable.motion.flow.Flow`, of the motions of deformations and of
+    :class:`integrable.mumford.flow.MumfordFlow`. A state consists of two vectors: γ and M, or q and p.
     """
 
     system: Any
@@ -44,11 +49,11 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def certify(self, times: Numbers, digits: int | None = None) -> AnyRun:
-        """The states of :meth:`at`, each compared with a run at 15 more digits, 30 for RR.
+        """The states of :meth:`at`, each compared with a run at 15 more digits: at 30 digits for RR.
 
-        The result has ``error``, the larger of the differences in both vectors relative to the largest component of
-        each at that time (of γ: to 1), and ``digits``, how many decimal digits agree, both of shape (N,). The inputs
-        count as exact, except that q and p are projected onto their constraints. PrecisionLoss where fewer than
+        The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). An error
+        is the larger one of both vectors: that of γ, or of M, q or p relative to its largest component. The inputs
+        count as exact, except that states are projected onto their constraints. PrecisionLoss where fewer than
         ``digits`` agree; by default all digits but one of MP(digits), 12 of RR. ``certify`` compares two computations;
         ``enclosure`` has proven bounds.
         """
@@ -61,11 +66,12 @@ class StateFlow(Generic[AnyRun]):
     def enclosure(self, times: Numbers, digits: int | None = None) -> Enclosure:
         """Proven bounds of the states at times: balls of radius at most 10^(−digits) that contain them.
 
-        The radius of γ is relative to 1, that of M to |M|, that of q or p to its largest component at the start or at
-        that time. The inputs count as exact, except that q and p are projected onto their constraints. ``digits``
-        defaults to those of the field, 15 for RR. For a ball the cost grows with the time; otherwise a far time costs
-        only more bits. PrecisionLoss if no such balls are found; ArgumentError if the clock has no bounds.
-        (:mod:`integrable.motion.enclosure`, :mod:`integrable.mumford.enclosure`)
+        The radius of γ is relative to 1, that of M to |M| at the start, that of q or p to its largest component at the
+        start or at that time. The inputs count as exact, except that states are projected onto their constraints.
+        ``digits`` defaults to those of the field, 15 for RR. For a ball or a deformation the cost grows with the time;
+        otherwise a far time costs only more bits. PrecisionLoss if no such balls are found; ArgumentError if the clock
+        has no bounds; Infeasible for a deformation after 4,000 steps. (:mod:`integrable.motion.enclosure`,
+        :mod:`integrable.deformations.enclosed`, :mod:`integrable.mumford.enclosure`)
         """
         K = self.system.field
         return self._enclosed(times_in(K, times, "times").tolist(), ball_digits(K, digits), in_tau=False)
@@ -97,16 +103,20 @@ class StateFlow(Generic[AnyRun]):
         parameters of the system. All digits of the field are correct, relative to the largest element.
 
         ``matrix`` of the result has shape (N, 2n, 2n + m) for m constants; ``columns`` names the inputs. The start
-        varies within its constraints. On the torus of a body the secular and periodic parts are separate. Otherwise
-        derivatives are difference quotients of motions in more digits, two for each input, which take seconds over
-        MP(digits) and next to a separatrix. A barrier l_i = 0 of a Hénon–Heiles system has no column. PrecisionLoss if
-        derivatives are much larger than expected, as at far times next to a separatrix.
+        varies within its constraints. On the torus of a body the secular and periodic parts are separate. For a
+        deformation without curves the equations of variation are integrated. Otherwise derivatives are difference
+        quotients of motions in more digits, two for each input, which take seconds over MP(digits) and next to a
+        separatrix.
+
+        A constant whose value 0 leaves a term out has no column: a barrier l_i of a Hénon–Heiles system; d, c and the
+        terms of the potential of a deformation. PrecisionLoss if derivatives are much larger than expected, as at far
+        times next to a separatrix.
         (:mod:`integrable.portrait.sensitivity`)
         """
         from integrable.portrait.sensitivity import by_differences
 
         run = self.at(times)
-        found = self._sensitivity_on_torus(run)
+        found = self._by_variations(run)
         return by_differences(self, run.times) if found is None else found
 
     # --- for subclasses
@@ -140,8 +150,8 @@ class StateFlow(Generic[AnyRun]):
         """The numbers, the sizes of their changes, and the names of those that have derivatives."""
         raise NotImplementedError
 
-    def _sensitivity_on_torus(self, run: AnyRun) -> Sensitivity | None:
-        """The sensitivity at the times of a run in closed form; None if there is none."""
+    def _by_variations(self, run: AnyRun) -> Sensitivity | None:
+        """The sensitivity at the times of a run from the equations of variation; None if they are not used."""
         return None
 
     def _secular(self, times: np.ndarray) -> np.ndarray:
@@ -159,4 +169,15 @@ class StateFlow(Generic[AnyRun]):
         """The length of a panel of a search for events in an interval of time, so short that its nodes resolve the
         motion; for a flow over RR.
         """
-        raise NotImplementedError
+        import numpy as np
+
+        states = self.at(np.linspace(first, last, PROBES))
+        fastest = largest_rate([self.system.linearized(state) for state in states])
+        return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
+
+
+def largest_rate(matrices: Sequence[np.ndarray]) -> float:
+    """The largest modulus of the eigenvalues of all matrices."""
+    import numpy as np
+
+    return float(np.abs(np.linalg.eigvals(matrices)).max())

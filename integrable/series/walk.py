@@ -27,6 +27,9 @@ BACK = 0.25
 # steps are multiples of this, in the walk's unit of time, so that sums of steps are exact up to 2^53 multiples
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
+# a coefficient is the rounding error of a zero if that of the next order is more than this multiple of the geometric
+# mean of it and of the one two orders on
+NOISE = 2.0**30
 # if the unit of time is between LEAST_UNIT and 1/LEAST_UNIT, no coefficient in the unit 1 leaves the range of floats
 LEAST_UNIT = 2.0**-8
 # a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
@@ -398,7 +401,8 @@ def shortest_time(layout: Layout, room: Array, lane: int) -> float:
         for j in range(FIRST):
             # near rest every other coefficient is small, so coefficients two orders apart are compared
             before, after = largest(layout, room[lane:], begin, j), largest(layout, room[lane:], begin, j + 2)
-            if 0 < before < FARTHEST and 0 < after < FARTHEST:
+            mean = sqrt(before) * sqrt(after)
+            if 0 < mean < FARTHEST and largest(layout, room[lane:], begin, j + 1) <= NOISE * mean:
                 shortest = min(shortest, sqrt(before) / sqrt(after))
     return shortest
 

@@ -35,8 +35,8 @@ HALVED, TERMS = 11, 18
 
 
 def module(room: Room, start: Tape, count: int) -> str:
-    """The LLVM module of a kind; the first ``count`` variables are the state, from which ``start`` computes all
-    variables.
+    """The LLVM module with the walks of one kind of systems (:mod:`integrable.series.kinds`). The first ``count``
+    variables are the state, from which ``start`` computes all variables.
     """
     series = Series(room, count)
     texts = [_declared(), _growth(), series.function(), series.ratios(), _advance(room), _dense(room, count)]

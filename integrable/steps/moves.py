@@ -8,7 +8,7 @@ Each map preserves H1 and H2. Its docstring states its effect on the bracket of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from integrable.phase import coordinates
 from integrable.phase.body import square_root
@@ -29,6 +29,9 @@ from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, writ
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
+
+if TYPE_CHECKING:
+    from integrable.phase.upright import ChaplyginTransformation
 
 
 class Move(Step):
@@ -51,17 +54,22 @@ class Move(Step):
         """The image computed in the numbers of the field, without a check of the loss of digits."""
         if not self.system._checked(state).tilted:
             return self._image(state)
-        system, plain, change = self.system.upright(state)
-        image: State = change.invert(self.over(system)._image(plain))
+        step, plain, change = self._transformed(state)
+        image: State = change.invert(step._image(plain))
         return image
+
+    def _transformed(self, state: State) -> tuple[Move, State, ChaplyginTransformation]:
+        """The map of the upright body of a tilted state, that body's state, and the transformation."""
+        system, plain, change = self.system.upright(state)
+        return self.over(system), plain, change
 
     def condition(self, state: State) -> float:
         """The amplification of rounding errors by the map, times that by Chaplygin's transformation."""
         state = self.system._checked(state)
         if not state.tilted:
             return self._condition(state)
-        system, plain, change = self.system.upright(state)
-        return tilt_condition(change, state) * self.over(system)._condition(plain)
+        step, plain, change = self._transformed(state)
+        return tilt_condition(change, state) * step._condition(plain)
 
     def _condition(self, state: State) -> float:
         return 1.0

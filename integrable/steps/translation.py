@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 from integrable.phase import coordinates
 from integrable.phase.jets import apply
 from integrable.phase.space import PhaseSpace
-from integrable.steps.guard_digits import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
-from integrable.steps.step import Abscissa, Step, check_doublings, checked_multiple, checked_signs
+from integrable.steps.guard_digits import LARGEST, MOST_CONDITION, body_condition
+from integrable.steps.moves import Move
+from integrable.steps.step import Abscissa, check_doublings, checked_multiple, checked_signs
 from jacobian import Divisor, poly
 from jacobian.element import Element, Real, Value
 from jacobian.errors import ArgumentError, NotASquare, entries, shown, written
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from integrable.phase.upright import ChaplyginTransformation
 
 
-class Translation(Step):
+class Translation(Move):
     """The map that adds the divisor [multiple](Σ (x_k, y_k) − points at infinity) to a state's divisor.
 
     ``points`` are one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
@@ -38,7 +39,8 @@ class Translation(Step):
 
     H1 and H2 are always preserved. The bracket of :meth:`System.poisson` is preserved for points of fixed abscissa, the
     branch points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), :func:`on_line`, and their sums. A generic
-    x'(h1, h2) changes it. The map commutes with the flow in τ, but not with the flow in t (d ≠ 0).
+    x'(h1, h2) changes it. The map commutes with the flow in τ, but not with the flow in t (d ≠ 0). NotASquare if the
+    image is not real (or not over the field), NotRepresentable if it has no representative.
     """
 
     _caches = ("_last", "_upright")
@@ -77,22 +79,6 @@ class Translation(Step):
     def over(self, system: Any) -> Translation:
         return Translation(system, self.points, self.sheets, self.signs, self.multiple)
 
-    def __call__(self, state: State[Element]) -> State[Element]:
-        """The image of a state.
-
-        Over RR and MP guard digits are used where :meth:`condition` or H1 and H2 of the image require them. Raises
-        NotASquare if the image is not real (or not over the field) and NotRepresentable if it has no representative.
-        PrecisionLoss if its H1 or H2 differs from that of the state (by 10⁻⁹ in floats).
-        """
-        return with_enough_digits(self, self.system._checked(state))
-
-    def plain(self, state: State) -> State:
-        """The image computed in the numbers of the field, without a check of the loss of digits."""
-        if not self.system._checked(state).tilted:
-            return self._image(state)
-        step, plain, change = self._transformed(state)
-        return change.invert(step._image(plain))
-
     def wider(self, system: Any) -> Translation:
         """The same map over a field of more digits: a_i and 1/d become those of ``system``."""
         K, body = self.system.field, self.system.body
@@ -103,18 +89,14 @@ class Translation(Step):
         moved = Translation(system, points, self.sheets, self.signs, self.multiple)
         return replaced(moved, _rounding=self._rounding, guarded=True)
 
-    def condition(self, state: State) -> float:
+    def _condition(self, state: State) -> float:
         """The amplification of rounding errors. Its causes are a small distance δ of D' from zero (a factor of 1/δ),
         cancellation in f(x') and between two points, and the multiple. The value is inf beyond the range of floats.
         """
-        state = self.system._checked(state)
-        if state.tilted:
-            step, plain, change = self._transformed(state)
-            return step.condition(plain) * tilt_condition(change, state)
         if not isinstance(self.system.field, InexactField):
             return 1.0
         try:
-            found = self._condition(*self.system.integrals(state)[2:])
+            found = self._condition_of_class(*self.system.integrals(state)[2:])
         except NotASquare:
             # f(x') may be negative, or negative only by rounding
             found = float(min(1 / self.system.field.eps, LARGEST))
@@ -124,7 +106,7 @@ class Translation(Step):
         times = min(abs(self.multiple), LARGEST)
         return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
 
-    def _condition(self, h1: Real, h2: Real) -> float:
+    def _condition_of_class(self, h1: Real, h2: Real) -> float:
         group, u, v = self._class(h1, h2)
         K, f = group.field, group.curve.f
         x = [apply(K, x, h1, h2) if callable(x) else _own(K, x) for x in self.points]
@@ -245,7 +227,10 @@ class Translation(Step):
         if any(isinstance(x, complex) or hasattr(x, "_mpc_") for x in self.points):
             return self._conjugate_pair(K, f)
         x = [apply(K, x, h1, h2) if callable(x) else x for x in self.points]
-        y = [K.zero if self._is_branch(e, h1, h2) else self._ordinate(K, f, e, sheet) for e, sheet in self._sheeted(x)]
+        y = [
+            K.zero if self._is_branch(e, h1, h2) else self._ordinate(K, f, e, sheet)
+            for e, sheet in zip(x, self.sheets, strict=True)
+        ]
         if len(y) == 1:
             return (K.neg(x[0]), K.one), poly.trim(K, (y[0],)) if K.exact else (y[0],)
         x1, x2 = x
@@ -257,9 +242,6 @@ class Translation(Step):
         else:
             u, v = poly.through(K, list(zip(x, y, strict=True)))
         return u, poly.trim(K, v) if K.exact else v
-
-    def _sheeted(self, x: Sequence[Real]) -> Any:
-        return zip(x, self.sheets, strict=True)
 
     def _is_branch(self, x: Any, h1: Real, h2: Real) -> bool:
         """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (up to rounding over an inexact field)."""

@@ -149,7 +149,7 @@ class _Source:
         raise NotImplementedError
 
     def contents(self) -> Contents:
-        """The content of the file."""
+        """The arrays, parameters and attributes of the sweep's file, and what its states depend on."""
         raise NotImplementedError
 
 

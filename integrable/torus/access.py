@@ -189,7 +189,7 @@ class TorusFlow(BodyTorus):
         """Physical times at values of τ."""
         if not self.clock:
             return tau
-        check_turns(tau, self._turns)
+        check_turns(tau, self._turns, self.clock.most)
         return self.clock.times(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
@@ -204,6 +204,7 @@ class TorusFlow(BodyTorus):
         check_turns(times, self._turns_in_t if physical else self._turns)
         rows = self.loops.room(2 * len(times))
         if physical and self.clock:
+            check_turns(times, self._turns_in_t, self.clock.most)
             rows = self.clock.phases(times)[0]
         else:
             self.loops.phases_at(self.rates, times, rows)
@@ -217,7 +218,10 @@ class TorusFlow(BodyTorus):
         start, end = float(times[0]), float(times[-1])
         if not start < end:
             return None
-        length = self._panel_length(states, start, end)
+        if states.__name__ not in self._lengths:
+            # the search is the same for all requests, so that none changes the bits of another
+            self._lengths[states.__name__] = panel_length(states, self._step / 8)
+        length = min(self._lengths[states.__name__], end - start)
         # panels account for the rounding of a time to first order only, which is enough if the rounding is this small
         near = np.spacing(max(abs(start), abs(end))) < 1e-9 * length
         if not near or len(times) < DENSE * NODES * (end - start) / length:
@@ -228,12 +232,6 @@ class TorusFlow(BodyTorus):
             # motions with fast passages need too many panels; evaluation time by time is as accurate
             return None
 
-    def _panel_length(self, states: States, start: float, end: float) -> float:
-        kind = states.__name__
-        if kind not in self._lengths or end - start < self._lengths[kind]:
-            self._lengths[kind] = panel_length(states, start, end, self._step / 8)
-        return min(self._lengths[kind], end - start)
-
     def _rows_at(self, times: np.ndarray) -> np.ndarray:
         """γ, M and τ − t/mean, shape (N, 7)."""
         rows, _, delays = self._rows_of_clock(times)
@@ -241,7 +239,7 @@ class TorusFlow(BodyTorus):
 
     def _rows_of_clock(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         assert self.clock
-        check_turns(times, self._turns_in_t)
+        check_turns(times, self._turns_in_t, self.clock.most)
         return self.clock.at(self.torus, times)
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:

@@ -34,9 +34,9 @@ ROUGH = 1e-4
 # double-doubles sum it. The unit is the time in which the body turns by about a radian
 LOUD = 0.05
 # the error of a spectrum is at most SLOW times the frequency of a phase, since slow modes are divided by their
-# frequencies, but EXTENDED at best; modes below ROUNDING times the largest are left out
+# frequencies, but EXTENDED at best. Modes below ROUNDING times the largest, which rounding may have made, are left out
 SLOW = 1e-13
-EXTENDED, ROUNDING = 2.0**-58, 2.0**-60
+EXTENDED, ROUNDING = 2.0**-58, 2.0**-90
 # a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
 # move τ
 LEAST_SWING = 1e-17
@@ -100,9 +100,9 @@ def samples_of(
     sizes: tuple[int, int],
     known: np.ndarray | None = None,
 ) -> np.ndarray:
-    """A rate on a grid with ``sizes`` points per period of the divisor. A tilted rate has twice an ``odd`` period,
-    because its tilt term changes its sign after that period. Compiled loops give double-doubles with a last axis.
-    ``known`` are the samples of a coarser grid.
+    """A rate on a grid with ``sizes`` points per period of the divisor. Where ``odd``, the tilt term changes its sign
+    after that period, so a tilted rate has twice the period and twice as many points. Compiled loops give
+    double-doubles with a last axis. ``known`` are the samples of a coarser grid.
     """
     (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
     coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
@@ -189,6 +189,9 @@ class TorusClock:
     ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
     turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
     periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
+
+    Near a resonance τ − t·(mean dτ/dt) oscillates by many turns, which amplify the rounding of phases. Up to ``most``
+    turns this changes γ by a few units of the last bit of a float.
     """
 
     def __init__(
@@ -206,6 +209,7 @@ class TorusClock:
         series, pace = series_between(loops, spectrum, (rates, doubled), limits)
         self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
         self._room = 2 * max(part.width for part in series[:2])
+        self.most = MOST_TURNS / max(1.0, series[1].bound * float(np.abs(loops.floats(rates[:2])).max()) / 2)
 
     def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(γ and M, τ, τ − t·(mean dτ/dt)) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""

@@ -11,8 +11,9 @@ from integrable.moving_point.addition import Real, Row
 from integrable.torus.states import BodyStates, states_at, whole_turns
 from integrable.torus.theta_series import circle
 
-# by quadratic convergence the error is below 1e-17 turns after a Newton step of at most this fraction of a turn
-LAST_STEP = 1e-9
+# Newton steps with the slope of the first point reduce the error by about the length of the first step, in turns: they
+# end when this length times that of the last step is at most LAST_STEPS
+LAST_STEPS = 1e-18
 
 
 class ClockSeries(NamedTuple):
@@ -96,12 +97,15 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Rea
     x = 0 * nu1 + start
     if len(modes) > 0:
         # near a resonance a few modes are so large that their rounding in floats changes x by a large part of a turn
-        for _ in range(3):
+        first_size = 0.0
+        for _ in range(8):
             p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
             rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
             step = (loud_swing(clock, p, q) + x + rest) / rate
             x -= step
-            if abs(float(step)) * (abs(float(nu1)) + abs(float(nu2))) <= LAST_STEP:
+            size = abs(float(step)) * (abs(float(nu1)) + abs(float(nu2)))
+            first_size = max(first_size, size)
+            if first_size * size <= LAST_STEPS:
                 break
     first, more1 = whole_turns(first + nu1 * x)
     second, more2 = whole_turns(second + nu2 * x)

@@ -155,27 +155,34 @@ def clock_series(
 def part_loud(
     values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int, int], tables: Tables, loud: Row
 ) -> tuple[int, float]:
-    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. Returns their
-    number, and the sum of the quiet modes at the start.
+    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``; ``least`` is
+    doubled until these are at most MOST_LOUD. Returns their number, and the sum of the quiet modes at the start.
     """
-    for n in range(4 * series[3]):
-        tables.quiet_parts[n] = tables.parts[n]
+    lines, parts, total, count = tables.lines, tables.quiet_parts, series[3], MOST_LOUD + 1
+    for n in range(4 * total):
+        parts[n] = tables.parts[n]
+    while count > MOST_LOUD:
+        count = 0
+        for n in range(total):
+            if size_of(parts[n], parts[total + n]) >= least:
+                count += 1
+        if count > MOST_LOUD:
+            least = 2 * least
     loud[0] = 0 * rates[3]
     count, rest = 0, 0.0
-    while count < MOST_LOUD:
-        place, k, i = loudest(tables.lines, series, tables.quiet_parts, least)
-        if place < 0:
-            break
-        m = i + series[0]
-        x, y = swing_of(values, columns, k, m, rates)
-        tables.pairs[2 * count], tables.pairs[2 * count + 1] = k, m
-        loud[1 + 2 * count], loud[2 + 2 * count] = x, y
-        loud[0] = loud[0] - x
-        count += 1
-        for part in range(4):
-            tables.quiet_parts[part * series[3] + place] = 0.0
-    for n in range(series[3]):
-        rest += tables.quiet_parts[n]
+    for k in range(series[2]):
+        for n in range(lines[3 * k + 1], lines[3 * k + 2]):
+            if size_of(parts[n], parts[total + n]) < least:
+                rest += parts[n]
+                continue
+            m = series[0] + lines[3 * k] + n - lines[3 * k + 1]
+            x, y = swing_of(values, columns, k, m, rates)
+            tables.pairs[2 * count], tables.pairs[2 * count + 1] = k, m
+            loud[1 + 2 * count], loud[2 + 2 * count] = x, y
+            loud[0] = loud[0] - x
+            count += 1
+            for part in range(4):
+                parts[part * total + n] = 0.0
     return count, rest
 
 
@@ -268,16 +275,3 @@ def packed_modes(
             place += 1
         lines[3 * k + 2] = place
     return low - columns // 2, high - low, used, total
-
-
-def loudest(lines: Row, series: tuple[int, int, int, int], parts: Row, least: float) -> tuple[int, int, int]:
-    """(place, k, m counted from its least value) of the mode with the largest oscillation of τ; (−1, 0, 0) if that
-    oscillation is below ``least``.
-    """
-    total, most, found, first, second = series[3], least, -1, 0, 0
-    for k in range(series[2]):
-        for n in range(lines[3 * k + 1], lines[3 * k + 2]):
-            size = size_of(parts[n], parts[total + n])
-            if size >= most and size > 0:
-                most, found, first, second = size, n, k, lines[3 * k] + n - lines[3 * k + 1]
-    return found, first, second

@@ -19,8 +19,8 @@ TOLERANCE = 2e-15
 # on motions with fast passages, the rounding errors of the states are at most this, relative to the largest of their
 # column
 NOISE = 1e-13
-# a length is tried on PROBES panels; a panel is halved at most MOST_HALVINGS times
-PROBES = 8
+# a length is tried on PROBES panels, first LONGEST times the least one; a panel is halved at most MOST_HALVINGS times
+PROBES, LONGEST = 8, 1024
 MOST_HALVINGS = 12
 # if the last coefficients are below ROUGH times the largest of their column but do not decrease, they may be rounding
 # errors, which halving does not reduce; after MOST_IN_VAIN halvings without progress this is certain
@@ -85,14 +85,11 @@ class Panels:
         return out
 
 
-def panel_length(states: States, start: float, end: float, least: float) -> float:
-    """A length at which most panels between two times converge. The search begins with the length of the interval, or
-    with 1024·``least`` if that is less, and halves it.
-    """
-    length = min(end - start, 1024 * least)
-    places = start + (end - start) * (np.arange(PROBES) + 0.5) / PROBES
+def panel_length(states: States, least: float) -> float:
+    """A length at which most panels converge. The search begins with LONGEST·``least``, and halves it."""
+    length = LONGEST * least
+    middle = length * (np.arange(PROBES) + 0.5)
     while length > least:
-        middle = np.clip(places, start + length / 2, end - length / 2)
         if _converged(_coefficients(states, middle, np.full(PROBES, length / 2))).mean() > 0.7:
             break
         length /= 2

@@ -8,9 +8,8 @@ from typing import NamedTuple
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
-# LANES rounds of a loop run together in SIMD lanes (:func:`jacobian.numbers.abreast.abreast`); an item of a twin array
-# has TWO lanes (:data:`jacobian.native.kinds.TWIN_WIDES`)
-LANES, TWO = 8, 2
+# LANES rounds of a loop run together in SIMD lanes (:func:`jacobian.numbers.abreast.abreast`)
+LANES = 8
 
 
 class Types(NamedTuple):
@@ -37,7 +36,7 @@ def types_in(n: int) -> Types:
     return Types(double, word, bit, f"v{n}f64", f".abreast{n}", n)
 
 
-TYPES = {1: SINGLE, TWO: types_in(TWO), LANES: types_in(LANES)}
+ABREAST = types_in(LANES)
 
 
 def repeated(leaf: str, literal: str, lanes: int) -> str:
@@ -126,7 +125,7 @@ def wide_functions() -> str:
     SIMD lanes.
     """
     texts = []
-    for types in TYPES.values():
+    for types in (SINGLE, ABREAST):
         double, pairs = types.double, f"{{{types.double}, {types.double}}}"
         for name, (emit, count) in FUNCTIONS.items():
             code = Code(types)

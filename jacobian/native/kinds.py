@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jacobian.native.code import LANES, TWO
+from jacobian.native.code import LANES
 
 
 class CompileError(TypeError):
@@ -29,7 +29,6 @@ class Kind:
     """The result of an operation on two kinds of numbers has the kind of higher rank."""
     single: Any = None
     """The kind of one lane, for a vector kind; None for a scalar kind."""
-    lanes: int = 1
 
 
 BOOL = Kind("bool", ("i1",), 0)
@@ -41,21 +40,20 @@ LONG = Kind("long", ("i128",), 4)
 COMPLEX = Kind("complex", ("double", "double"), 5)
 NONE = Kind("None", ())
 _ABREAST = {
-    (kind, n): Kind(f"{n} {kind.name} abreast", tuple(f"<{n} x {leaf}>" for leaf in kind.leaves), kind.rank, kind, n)
+    kind: Kind(f"{kind.name} abreast", tuple(f"<{LANES} x {leaf}>" for leaf in kind.leaves), kind.rank, kind)
     for kind in (BOOL, INT, FLOAT, WIDE)
-    for n in (TWO, LANES)
 }
 
 
-def abreast(kind: Any, lanes: int = LANES) -> Any:
-    """The kind of a vector of ``lanes`` values of this kind; for a tuple, the tuple of its items' vector kinds."""
+def abreast(kind: Any) -> Any:
+    """The kind of a vector of LANES values of this kind; for a tuple, the tuple of its items' vector kinds."""
     if isinstance(kind, TupleKind):
-        return TupleKind(tuple(abreast(item, lanes) for item in kind.items), kind.named)
-    if is_abreast(kind) and kind.lanes == lanes:
+        return TupleKind(tuple(map(abreast, kind.items)), kind.named)
+    if is_abreast(kind):
         return kind
-    if (kind, lanes) not in _ABREAST:
-        raise CompileError(f"no {kind} abreast in {lanes} lanes")
-    return _ABREAST[kind, lanes]
+    if kind not in _ABREAST:
+        raise CompileError(f"no {kind} abreast")
+    return _ABREAST[kind]
 
 
 def is_abreast(kind: Any) -> bool:
@@ -102,13 +100,8 @@ class ArrayKind:
 INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
 HIGHS = ArrayKind(FLOAT, parts=2)
 """The high parts of double-doubles."""
-LONGS, COMPLEXES = ArrayKind(LONG, parts=2), ArrayKind(COMPLEX, parts=2)
-TWIN_FLOATS = ArrayKind(_ABREAST[FLOAT, TWO], parts=TWO)
-TWIN_WIDES = ArrayKind(_ABREAST[WIDE, TWO], parts=2 * TWO)
-"""Items of two numbers that run through the same instructions in two lanes: (x, y) of floats, (x_hi, y_hi, x_lo, y_lo)
-of double-doubles.
-"""
-EIGHTS = ArrayKind(_ABREAST[FLOAT, LANES], parts=LANES)
+LONGS = ArrayKind(LONG, parts=2)
+EIGHTS = ArrayKind(_ABREAST[FLOAT], parts=LANES)
 """Items of LANES floats each, one for each SIMD lane."""
 
 
@@ -218,21 +211,13 @@ def is_number(kind: Any) -> bool:
     return isinstance(kind, Kind) and kind.rank >= 0
 
 
-def together_in(*kinds: Any) -> int:
-    """The number of lanes in an operation on numbers of these kinds; 1 if no kind is a vector."""
-    found = {kind.lanes for kind in kinds if is_abreast(kind)}
-    if len(found) > 1:
-        raise CompileError("numbers in different lanes")
-    return found.pop() if found else 1
-
-
 def meeting(first: Any, second: Any) -> Any:
     """The kind that holds values of both; CompileError if there is none."""
     if first == second:
         return first
     if is_number(first) and is_number(second):
         if is_abreast(first) or is_abreast(second):
-            return abreast(meeting(single(first), single(second)), together_in(first, second))
+            return abreast(meeting(single(first), single(second)))
         return first if first.rank > second.rank else second
     if isinstance(first, TupleKind) and isinstance(second, TupleKind) and len(first.items) == len(second.items):
         named = first.named if first.named is second.named else None

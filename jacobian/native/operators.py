@@ -9,7 +9,7 @@ from functools import wraps
 from typing import Any
 
 from jacobian.native import complexes
-from jacobian.native.code import LANES, SINGLE, TYPES, ZERO, Code, constant, repeated
+from jacobian.native.code import ABREAST, LANES, SINGLE, ZERO, Code, constant, repeated
 from jacobian.native.kinds import (
     BOOL,
     COMPLEX,
@@ -25,7 +25,6 @@ from jacobian.native.kinds import (
     is_number,
     meeting,
     single,
-    together_in,
 )  # fmt: skip
 
 ARITHMETIC = {"Add": "add", "Sub": "sub", "Mult": "mul"}
@@ -60,20 +59,19 @@ def in_lanes(method: Callable[..., Value]) -> Callable[..., Value]:
     @wraps(method)
     def done(self: Operators, *given: Any) -> Value:
         values = [x for item in given for x in (item if isinstance(item, list) else [item]) if isinstance(x, Value)]
-        lanes = together_in(*(x.kind for x in values))
-        if lanes == 1:
+        if not any(is_abreast(x.kind) for x in values):
             return method(self, *given)
         arguments = [
-            [self.lanes(x, lanes) for x in item] if isinstance(item, list)
-            else self.lanes(item, lanes) if isinstance(item, Value) else item
+            [self.lanes(x) for x in item] if isinstance(item, list)
+            else self.lanes(item) if isinstance(item, Value) else item
             for item in given
         ]  # fmt: skip
-        self.types = TYPES[lanes]
+        self.types = ABREAST
         try:
             found = method(self, *arguments)
         finally:
             self.types = SINGLE
-        return Value(abreast(found.kind, lanes), found.parts)
+        return Value(abreast(found.kind), found.parts)
 
     return done
 
@@ -123,33 +121,31 @@ class Operators(Code):
         if not is_abreast(value.kind):
             value = self.cast(value, kind.single)
             given = zip(kind.single.leaves, value.parts, strict=True)
-            return Value(kind, tuple(self.repeat(leaf, part, kind.lanes) for leaf, part in given))
-        if value.kind.lanes != kind.lanes:
-            raise CompileError(f"{value.kind} for {kind}")
-        self.types = TYPES[kind.lanes]
+            return Value(kind, tuple(self.repeat(leaf, part) for leaf, part in given))
+        self.types = ABREAST
         found = self.cast(Value(single(value.kind), value.parts), kind.single)
         self.types = SINGLE
         return Value(kind, found.parts)
 
-    def lanes(self, value: Value, lanes: int) -> Value:
+    def lanes(self, value: Value) -> Value:
         """A number repeated in all lanes; its kind is that of one lane, as methods decorated by :func:`in_lanes`
         require.
         """
         if not is_number(value.kind):
             raise CompileError(f"{value.kind} with numbers abreast")
-        return Value(single(value.kind), self.cast(value, abreast(single(value.kind), lanes)).parts)
+        return Value(single(value.kind), self.cast(value, abreast(single(value.kind))).parts)
 
-    def repeat(self, leaf: str, part: str, lanes: int = LANES) -> str:
+    def repeat(self, leaf: str, part: str) -> str:
         """A vector that holds the scalar in every lane."""
         if not part.startswith("%"):
-            return repeated(leaf, {"0": "false", "1": "true"}[part] if leaf == "i1" else part, lanes)
-        many = f"<{lanes} x {leaf}>"
+            return repeated(leaf, {"0": "false", "1": "true"}[part] if leaf == "i1" else part, LANES)
+        many = f"<{LANES} x {leaf}>"
         first = self.write(f"insertelement {many} poison, {leaf} {part}, i64 0")
-        return self.write(f"shufflevector {many} {first}, {many} poison, <{lanes} x i32> zeroinitializer")
+        return self.write(f"shufflevector {many} {first}, {many} poison, <{LANES} x i32> zeroinitializer")
 
     def some(self, condition: str) -> str:
         """Whether a condition holds in any lane, as an i1."""
-        bits = self.write(f"bitcast {TYPES[LANES].bit} {condition} to i{LANES}")
+        bits = self.write(f"bitcast {ABREAST.bit} {condition} to i{LANES}")
         return self.write(f"icmp ne i{LANES} {bits}, 0")
 
     def float_of(self, value: Value) -> str:
@@ -302,10 +298,9 @@ class Operators(Code):
 
     def blended(self, condition: str, x: Value, y: Value) -> Value:
         """In each lane x if the condition holds there, else y."""
-        types = self.types if self.types is not SINGLE else TYPES[LANES]
-        kind = abreast(x.kind, types.lanes)
+        kind = abreast(x.kind)
         parts = tuple(
-            p if p == q else self.write(f"select {types.bit} {condition}, {leaf} {p}, {leaf} {q}")
+            p if p == q else self.write(f"select {ABREAST.bit} {condition}, {leaf} {p}, {leaf} {q}")
             for leaf, p, q in zip(kind.leaves, x.parts, y.parts, strict=True)
         )
         return Value(x.kind, parts)
@@ -400,13 +395,13 @@ DECLARED = "\n".join(
     [
         *(
             f"declare {types.double} @llvm.{name}.{types.suffix}({', '.join([types.double] * count)})"
-            for types in TYPES.values()
+            for types in (SINGLE, ABREAST)
             for count, names in FUNCTIONS_OF_LLVM.items()
             for name in names
         ),
         *(
             f"declare {types.word} @llvm.fptosi.sat.{types.suffix.replace('f', 'i')}.{types.suffix}({types.double})"
-            for types in TYPES.values()
+            for types in (SINGLE, ABREAST)
         ),
         "declare i128 @llvm.cttz.i128(i128, i1)",
         "declare <2 x i64> @llvm.x86.pclmulqdq(<2 x i64>, <2 x i64>, i8)",

@@ -210,8 +210,6 @@ class Statements(Expressions):
     def do_if(self, node: ast.If) -> None:
         test = self.truth(self.value(node.test))
         if is_abreast(test.kind):
-            if test.kind.lanes != LANES:
-                raise CompileError("a condition on numbers of an item of two")
             self.if_in_lanes(node, test.parts[0])
             return
         if test.parts[0] in KNOWN:

@@ -33,12 +33,13 @@ def same(name: str, digits: int, *requests: Any) -> None:
         assert [bits(lambda i=i: flow.at(requests[i])) for i in order] == [alone[i] for i in order]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_state_has_the_same_bits_whatever_was_asked_before(name: str) -> None:
     same(name, 15, NEAR, BETWEEN, MANY, FAR)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["chaplygin", "equal_moments", "separatrix", "tilde", "neumann"])
 def test_digits_are_the_same_whatever_was_asked_before(name: str) -> None:
     same(name, 30, NEAR, [-30.0, 20.0])

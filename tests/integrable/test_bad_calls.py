@@ -183,6 +183,12 @@ CASES = {
         "Gyroscopic.state",
     ),
     "a deformation's step": (lambda: TILDE.translation((30, -30))(3), ArgumentError, "state = 3: ", "Tilde.state"),
+    "divisors of a step": (
+        lambda: TILDE.translation((30, -30)).divisor(3),
+        ArgumentError,
+        "state = 3: ",
+        "Tilde.state",
+    ),
     "tilted as a number": (lambda: BALL.state(*START, tilted=3), ArgumentError, "tilted = 3: ", "True or False"),
     "no divisor": (lambda: BALL.from_divisor(3, like=STATE), ArgumentError, "D = 3: ", "a Divisor"),
     "one coordinate": (lambda: BALL.from_separated((1,), (1, 2)), ArgumentError, "u = (1,): ", "two numbers"),

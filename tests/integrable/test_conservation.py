@@ -90,6 +90,7 @@ MAPS = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", MAPS)
 def test_the_integrals_of_every_map(name) -> None:
     """Along four steps of a map that is not the identity."""

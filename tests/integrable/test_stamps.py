@@ -125,6 +125,7 @@ def test_every_system_is_in_the_table():
         assert given == set(signature(kind).parameters) - {"field"}, kind
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("name", FIELDS)
 @pytest.mark.parametrize(("kind", "given"), MADE, ids=lambda x: x.__name__ if isinstance(x, type) else "-".join(x))
 def test_a_stamp_says_every_parameter(kind, given, name):
@@ -140,6 +141,7 @@ def test_a_stamp_says_every_parameter(kind, given, name):
     assert len(others) == sum(not (other.exact and inexact(kind)) for other in FIELDS.values())
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("name", FIELDS)
 @pytest.mark.parametrize(("kind", "given"), MADE, ids=lambda x: x.__name__ if isinstance(x, type) else "-".join(x))
 def test_a_repr_makes_the_system(kind, given, name):
@@ -191,6 +193,7 @@ def test_a_sweep_of_another_c_is_not_taken_for_this_one(suffix, tmp_path):
         sweep(b, times=[0, 1, 2], out=out, executor="threads")
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("kind", "given"), SWEPT, ids=lambda x: x.__name__ if isinstance(x, type) else "-".join(x))
 def test_a_sweep_sees_every_parameter(kind, given, tmp_path):
     pytest.importorskip("h5py")
@@ -268,6 +271,7 @@ def test_numbers_that_python_does_not_write():
     assert repr(state) == f"State(gamma={state.gamma!r}, M={state.M!r}, g=None, tilted=False)"
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("suffix", [".h5", ".nc", ".csv"])
 @pytest.mark.parametrize(
     ("kind", "given"), [*SWEPT, *MADE[-3:]], ids=lambda x: x.__name__ if isinstance(x, type) else "-".join(x)

@@ -73,6 +73,7 @@ def test_every_library_of_orders_is_listed(used):
     assert {"matrix_products", "Cartier-Manin", "decisions"} <= used <= set(LISTED)
 
 
+@pytest.mark.slow
 def test_the_libraries_of_classes_and_rows_are_those_listed(used):
     for K in FIELDS.values():
         for C in curves(K):

@@ -39,6 +39,7 @@ def most_are_slow(labels):
     return [label if label in EVERY_DAY else pytest.param(label, marks=pytest.mark.slow) for label in labels]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("label", ROWS)
 def test_discriminant_bad_primes_and_igusa_invariants(label):
     C = curve(ROWS[label])

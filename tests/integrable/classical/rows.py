@@ -261,7 +261,11 @@ CASES = [
     ("two_gaps", 2),
     ("veselova", 3),
 ]
-over_cases = pytest.mark.parametrize(("name", "n"), CASES)
+# every day one case of a system and genus: the others take the same paths
+OTHERS = (("ellipsoid", 3), ("neumann", 2), ("toda", 2), ("toda", 5))
+over_cases = pytest.mark.parametrize(
+    ("name", "n"), [pytest.param(*case, marks=pytest.mark.slow if case in OTHERS else ()) for case in CASES]
+)
 # includes systems without the inverse map from divisors
 over_formulas = pytest.mark.parametrize(("name", "n"), [*CASES, ("kowalevski", 3)])
 

@@ -55,6 +55,7 @@ def started(name):
     return system, constrained(system, Point(tuple(map(float, q)), tuple(map(float, p))))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_closed_form_has_the_states_of_additions(name) -> None:
     """Every branch of the signs: in both directions, at the start itself, and after 2^40 periods."""
@@ -97,6 +98,7 @@ def test_separatrices_and_rest_are_left_to_additions(system, q, p) -> None:
 SIGNS = [*range(10), "alpha", "beta"]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("sign", SIGNS)
 @pytest.mark.parametrize("name", ["pendulum", "top", "top, turning back", "top beside the upper vertical"])
 def test_a_wrong_sign_is_noticed(name, sign, monkeypatch) -> None:

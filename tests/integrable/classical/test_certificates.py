@@ -22,6 +22,7 @@ CASES = [
 ]  # fmt: skip
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "n"), CASES)
 def test_states_are_certified_to_their_last_digits_near_and_far(name, n) -> None:
     system, state = REAL[name](RR, n)

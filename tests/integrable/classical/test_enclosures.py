@@ -48,6 +48,7 @@ def contained(found, path) -> bool:
         return all((x - REALS.number(y)).overlaps(flint.arb(0, 1e-55) * (1 + abs(x))) for x, y in pairs)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "n"),
     [pytest.param(*case, marks=pytest.mark.slow) if case in LONGER else case for case in LAYER],
@@ -88,11 +89,14 @@ def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) 
     monkeypatch.setattr(enclosure, "OF_GENUS", 0)
     monkeypatch.setattr(enclosure.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
     system, state = REAL[name](RR, n)
-    found = system.flow(state).enclosure([0.75, 3], digits=4)
-    assert found.radius.max() > 1e-40
-    assert contained(found, truth(system, state, [0.75, 3]))
+    # one time each, because several share the bits that the farthest needs
+    near, far = (system.flow(state).enclosure([t], digits=4) for t in (0.75, 3))
+    assert max(near.radius[0], far.radius[0]) > 1e-40
+    assert contained(near, truth(system, state, [0.75]))
+    assert contained(far, truth(system, state, [3]))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("complex", [False, True])
 def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:

@@ -79,7 +79,7 @@ def test_events_of_toda_are_those_of_an_integrator() -> None:
     assert abs(found.times - truth.t_events[0]).max() < 1e-9
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("name", "n"), CASES)
 @pytest.mark.parametrize("first", [-20, 3e6])
 def test_no_crossing_of_a_dense_sample_is_missed(name, n, first) -> None:

@@ -62,6 +62,7 @@ def test_floats_against_forty_digits(name, n, time) -> None:
         assert np.abs(a - b.astype(float)).max() <= bound * np.abs(a).max()
 
 
+@pytest.mark.thinned(2)
 @over_cases
 def test_group_property_reversal_and_integrals(name, n) -> None:
     K = MP(30)
@@ -78,6 +79,7 @@ def test_group_property_reversal_and_integrals(name, n) -> None:
         assert all(abs(x - y) < 1e-26 * (1 + abs(y)) for x, y in pairs), name
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("size", [2.0**100, 2.0**-100])
 @pytest.mark.parametrize("count", [1, 24])
 def test_bodies_turn_faster_in_proportion_to_their_momentum(size, count) -> None:

@@ -126,6 +126,7 @@ def test_reversal_shape_and_bounds(edges, gamma, signs) -> None:
     assert table.min() >= sum(edges) - 2 * sum(edges[2::2])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("edges", "gamma", "signs", "count", "reach"),
     [

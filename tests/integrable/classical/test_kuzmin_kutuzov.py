@@ -17,7 +17,7 @@ from tests.integrable.classical.rows import distance, integrated
 FLAT, LONG = (("3/2", 1), (1, "3/2"))
 
 
-def error(axes, q, p, time=12, steps=24):
+def error(axes, q, p, time=6, steps=12):
     """The error of a state, relative to an integration in 30 digits."""
     K = MP(30)
     system = KuzminKutuzov(axes, 1, K)

@@ -282,7 +282,7 @@ def _arguments(system):
     "name", [pytest.param(n, marks=pytest.mark.slow if n in ("check", "hat") else ()) for n in GEODESIC]
 )
 def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(name) -> None:
-    """γ and M, signs included, agree to 1e-25 at τ = 3, and both keep the integrals."""
+    """γ and M, signs included, agree to 1e-25 at τ = 3/2, and both keep the integrals."""
     system, start = in_digits(SYSTEMS[name], 34)
     K = system.field
     rates = motion(system)
@@ -291,11 +291,11 @@ def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(nam
         slow = K.sqrt(system.body.conformal(y[:3]))
         return [slow * x for x in rates(y)]
 
-    run = system.flow(start).at_tau([3, 0])
-    for row, tau in enumerate((3, None)):
+    run = system.flow(start).at_tau([1.5, 0])
+    for row, tau in enumerate((1.5, None)):
         y = [*start.gamma, *start.M]
         if tau is not None:
-            y = extrapolate(in_tau if system.d else rates, y, K.coerce(tau), pieces=24 if name == "hat" else 16)
+            y = extrapolate(in_tau if system.d else rates, y, K.coerce(tau), pieces=12 if name == "hat" else 8)
         assert max(abs(a - b) for a, b in zip((*run.gamma[row], *run.M[row]), y, strict=True)) <= 1e-25
         before = system.integrals(start)
         for gamma, M in ((y[:3], y[3:]), (run.gamma[row], run.M[row])):
@@ -304,15 +304,16 @@ def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(nam
 
 
 def test_physical_time_of_the_tilde_flow_against_an_integration_at_thirty_digits() -> None:
-    """γ and M at t = 3 and t = −2 for d ≠ 0 agree to 1e-25, which checks the clock t = ∫dτ/g and the curves."""
+    """γ and M at t = 1 and t = −1/2 for d ≠ 0 agree to 1e-25, which checks the clock t = ∫dτ/g and the curves."""
     system, start = in_digits(SYSTEMS["tilde, d"], 34)
     K = system.field
-    run = system.flow(start).at([3, 0, -2])
-    assert [float(t) for t in run.times] == [3, 0, -2]
-    for row, t in enumerate((3, 0, -2)):
+    times = (1, 0, -0.5)
+    run = system.flow(start).at(times)
+    assert tuple(map(float, run.times)) == times
+    for row, t in enumerate(times):
         y = [*start.gamma, *start.M]
         if t:
-            y = extrapolate(motion(system), y, K.coerce(t), pieces=16)
+            y = extrapolate(motion(system), y, K.coerce(t), pieces=6)
         assert max(abs(a - b) for a, b in zip((*run.gamma[row], *run.M[row]), y, strict=True)) <= 1e-25
     again = system.flow(start).at_tau(run.tau)
     assert max(abs(a - b) for a, b in zip(again.gamma.ravel(), run.gamma.ravel(), strict=True)) <= 1e-32
@@ -441,7 +442,7 @@ def _separated(system, state):
     return [(h1 - u * h2, u, (d_total * u - d_product) / (2 * u - total)) for u in (total / 2 - gap, total / 2 + gap)]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("inertia", [(1, 2, 4), (4, 1, 2), (2, 4, 1)], ids=str)
 @pytest.mark.parametrize("name", GEODESIC)
 def test_floats_against_multiprecision_far_out(name, inertia) -> None:

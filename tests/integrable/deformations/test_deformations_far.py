@@ -88,6 +88,7 @@ def test_forty_digits_are_forty_digits_at_1e8() -> None:
 # --- random bodies
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_bodies_keep_their_integrals_at_any_time(kind) -> None:
     rng = Random(12)
@@ -112,6 +113,7 @@ def test_floats_are_the_rounded_motion_of_forty_digits(kind) -> None:
         assert distance(run, truth) < 1e-15
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_times_add_up_and_go_back(kind) -> None:
     """at(t1 + t2) is the flow of at(t1) at t2, and at(t1) goes back to the start: t1 = 1e9, over 45 digits."""
@@ -400,9 +402,10 @@ def test_equal_moments_are_still_refused() -> None:
         Tilde((2, 2, 1)).flow(Tilde((2, 2, 1)).state(*START))
 
 
-@pytest.mark.parametrize("size", [2.0**-40, 2.0**-22, 2.0**-12])
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("size", [0.0, 2.0**-40, 2.0**-22, 2.0**-12])
 def test_phases_nearly_in_resonance_are_no_small_divisors(size) -> None:
-    """M turned by ``size`` from a resonance of 2 : 1, floats at 10⁷ against 30 digits there and back."""
+    """M turned by ``size`` from a resonance of 2 : 1, floats at 10³ and 10⁷ against 30 digits there and back."""
     field = MP(30)
     exact = _resonant(Tilde((1, 2, 4), "0.7", field=field))
     gamma, M = (np.array([float(x) for x in v]) for v in (exact.gamma, exact.M))
@@ -414,6 +417,8 @@ def test_phases_nearly_in_resonance_are_no_small_divisors(size) -> None:
     times = [1e3, 1e7, -1e7]
     run, truth = system.flow(state).at(times), many.flow(same).at(times)
     assert distance(run, truth) < 1e-15
+    # at these times the clock in floats suffices
+    assert distance(system.flow(state).at(times[:1]), many.flow(same).at(times[:1])) < 3e-16
     assert np.abs(run.tau - truth.tau.astype(float)).max() < 1e-15 * 1e7
     back = many.flow(State(tuple(truth.gamma[1]), tuple(truth.M[1]))).at([-1e7])
     assert max(abs(back.gamma[0] - np.array(same.gamma))) < 1e-15

@@ -29,6 +29,7 @@ def contained(balls, numbers) -> bool:
     return all(ball.contains(REALS.number(x)) for ball, x in zip(balls.ravel(), numbers.ravel(), strict=True))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["tilde, d", "tilde, d, potential", "check", "hat", "gyroscopic"])
 def test_states_at_physical_times(name):
     system = SYSTEMS[name](RR)
@@ -41,6 +42,23 @@ def test_states_at_physical_times(name):
         assert contained(found.M, run.M)
         assert contained(found.tau, run.tau)
         assert all(ball == t for ball, t in zip(found.times, TIMES, strict=True))
+
+
+@pytest.mark.parametrize("name", ["tilde, d", "gyroscopic"])
+def test_states_at_values_of_tau(name):
+    system = SYSTEMS[name](RR)
+    state = system.state(*START)
+    found = system.motion_through(state).enclosure_at_tau(TIMES, digits=12)
+    assert (found.radius <= 1e-12).all()
+    exact = system.over(MP(50))
+    K = exact.field
+    start = State(*(tuple(map(K.coerce, v)) for v in (state.gamma, state.M)))
+    run = exact.motion_through(start).at_tau([K.coerce(t) for t in TIMES])
+    with REALS:
+        assert contained(found.gamma, run.gamma)
+        assert contained(found.M, run.M)
+        assert all(ball == t for ball, t in zip(found.tau, TIMES, strict=True))
+    assert (found.times is None) == (name == "tilde, d")
 
 
 def test_what_begins_at_rest_is_moved_by_its_potential():
@@ -117,9 +135,9 @@ def test_bits_that_m_outgrows_its_unit_by_are_there_from_the_start(monkeypatch) 
     """
     tried, made = [], enclosed._March.__init__
 
-    def counted(march, system, state, bits):
+    def counted(march, system, state, bits, in_tau):
         tried.append(bits)
-        made(march, system, state, bits)
+        made(march, system, state, bits, in_tau)
 
     monkeypatch.setattr(enclosed._March, "__init__", counted)
     pair = Tilde((1, 2, 4), potential=(0, 0, 0.02, 0.04, 0.06))

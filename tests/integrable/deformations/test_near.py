@@ -127,6 +127,7 @@ def test_a_walk_that_is_not_compiled_is_left_to_others() -> None:
     assert asked == [1]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_states_are_the_same_without_a_walk(name, monkeypatch) -> None:
     system = SYSTEMS[name]

@@ -38,6 +38,7 @@ def by_additions(flow, tau, monkeypatch):
         return flow._curves.at_tau(tau)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS.keys())
 @pytest.mark.parametrize("system", PAIRS.values(), ids=PAIRS.keys())
 def test_compiled_states_are_those_of_the_readable_additions(system, start, monkeypatch) -> None:
@@ -53,6 +54,7 @@ def test_compiled_states_are_those_of_the_readable_additions(system, start, monk
     assert np.abs(np.hstack([found.gamma, found.M]) - readable).max() <= 2.3e-16 * np.abs(readable).max()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("size", [1e-60, 1e-6, 5e5, 1e60])
 @pytest.mark.parametrize("system", PAIRS.values(), ids=PAIRS.keys())
 def test_the_unit_of_time_does_not_matter(system, size, monkeypatch) -> None:
@@ -127,6 +129,7 @@ def test_a_clock_that_is_off_goes_the_readable_way(monkeypatch) -> None:
     assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_compiled_times_of_bodies_at_random(seed, monkeypatch) -> None:
     """For some of them the modes of 1/g hardly contribute."""

@@ -68,6 +68,7 @@ def step_of(system, state, rng):
     return step, step(state)
 
 
+@pytest.mark.thinned(3)
 @every_case()
 def test_a_step_preserves_both_integrals_and_adds_its_points(make, field) -> None:
     for system, state, (step, image) in cases(make, field, 4, 2, step_of):
@@ -77,6 +78,7 @@ def test_a_step_preserves_both_integrals_and_adds_its_points(make, field) -> Non
         assert system.divisor(image) == total
 
 
+@pytest.mark.thinned(3)
 @every_case()
 def test_a_step_preserves_the_bracket(make, field) -> None:
     def of(system, state, rng):
@@ -98,6 +100,7 @@ class MovingPoint(Step):
         return system.translation((system.integrals(state).H, self.second))(state)
 
 
+@pytest.mark.thinned(3)
 @every_case()
 def test_a_point_that_moves_with_the_integrals_is_not_canonical(make, field) -> None:
     """The negative control: x' = H = λ1 + λ2 keeps H and K, but not the bracket."""
@@ -161,6 +164,7 @@ def test_a_real_step(name) -> None:
     assert floats.field == RR
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_large_multiple_of_a_real_step(name) -> None:
     """10⁶ + 1 times, which once took seconds in floats, equals the engine's sum; 1000 times equals 1000 steps."""

@@ -166,7 +166,7 @@ def off_in_digits(ball, seed):
     return max(gaps)
 
 
-@pytest.mark.parametrize("ball", [True, False])
+@pytest.mark.parametrize("ball", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_many_digits(ball):
     assert off_in_digits(ball, 8) < 1e-24
 

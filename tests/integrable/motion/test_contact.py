@@ -156,6 +156,7 @@ def fastest(flow):
     return (flow.system.integrals(flow.state).H1 / min(flow.system.inertia)) ** 0.5
 
 
+@pytest.mark.thinned(3)
 def test_paths_of_all_kinds_of_bodies(any_flow):
     """Compared with an integration of the rolling constraint whose steps follow the body's turns."""
     pace = fastest(any_flow)
@@ -183,6 +184,7 @@ def test_paths_do_not_depend_on_how_they_are_asked_for(any_flow, monkeypatch):
         assert np.abs(any_flow.at(times).contact - path).max() < 1e-12 * size
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("t", [1e8, 1e12])
 def test_far_away_the_path_goes_on(any_flow, t):
     """On average the path is that of a ball with three equal moments 1/ζ − d; the difference is bounded."""

@@ -93,6 +93,7 @@ NEAR = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", NEAR)
 def test_nearly_equal_moments_keep_all_digits(name) -> None:
     inertia, d = NEAR[name]
@@ -107,6 +108,7 @@ def test_nearly_equal_moments_keep_all_digits(name) -> None:
     assert back.gamma == pytest.approx(np.array([GAMMA, rows[0, :3]]), abs=1e-8)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("d", [1e4, 1e8, 1e11, 1e14, 1e16])
 def test_heavy_balls_are_told_the_time(d) -> None:
     flow, times = flow_of((1, 2, 3), d), [3.0 * d, -0.5 * d]
@@ -156,6 +158,7 @@ def random_motion(rng, moments, weights):
     return system, gamma.tolist(), (M if tilted else M - gamma * (gamma @ M)).tolist(), tilted
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("seed", range(10))
 def test_moments_and_d_of_any_scales_keep_all_digits(seed) -> None:
     rng = np.random.default_rng(seed)
@@ -259,7 +262,7 @@ def test_nearly_equal_moments_of_a_rotation_have_a_basis() -> None:
     top = EulerTop((0.0057145586283730175, 0.005711781037631545, 0.005711781068494241))
     gamma = (0.8576226493448597, 0.5142794875655687, 0.0)
     momentum = (3.0759214329919927e-13, -3.725592069384504e-13, 10.618810453629719)
-    times = [-1.0851903957073762e-05, 0.0012159009622757385, 0.1343251609071277, -0.01953864377087347]
+    times = [-1.0851903957073762e-05, 0.0012159009622757385, -0.01953864377087347]
     run = top.flow(top.state(gamma, momentum, tilted=True)).at(times)
     K = MP(40)
     start = State(tuple(map(K.coerce, gamma)), tuple(map(K.coerce, momentum)))

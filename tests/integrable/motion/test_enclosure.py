@@ -34,6 +34,7 @@ CASES = {
     "equal moments": (ChaplyginBall((1, 1, 2), "0.7", field=MP(25)), START, 0),
     "gamma_2 = 0": (ChaplyginBall((1, 2, 3), "0.7", field=MP(25)), ((0.6, 0, 0.8), (0.8, 0.5, -0.6)), 0),
     "top": (EulerTop((1, 2, 3), field=MP(25)), START, 0),
+    "tilted top": (EulerTop((1, 2, 3), field=MP(25)), START, 1.5),
 }
 
 
@@ -54,6 +55,7 @@ def test_states_at_tau(name) -> None:
     assert contained(found, truth.vectors(truth.at_tau(tau)))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", CASES)
 def test_states_at_physical_times(name) -> None:
     system, state = motion_of(*CASES[name])
@@ -117,6 +119,18 @@ def test_the_bound_of_the_clock_holds_on_the_real_part_of_its_disc(balls) -> Non
         for k in range(-4, 5):
             point = balls.point(balls.reals.number(1 + 0.24 * k * radius))
             assert abs(rate_at(balls.problem.axes, point)) < bound
+
+
+def test_the_bound_of_the_clock_holds_at_complex_points_of_a_box(balls) -> None:
+    with balls.reals:
+        point, size = balls.point(balls.reals.number(1)), 0.02
+        bound = balls._rate_bound([flint.acb(x + flint.arb(0, size), flint.arb(0, size)) for x in point])
+        corners = ([flint.acb(x + s * size, size * (-1) ** k) for k, x in enumerate(point)] for s in (-1, 0, 1))
+        rates = [abs(rate_at(balls.problem.axes, corner)) for corner in corners]
+        assert all(rate < bound for rate in rates)
+        assert bound < 2 * max(rates)
+        # 1/g has a pole in this box
+        assert balls._rate_bound([flint.acb(flint.arb(0, 1), flint.arb(0, 1)) for _ in point]) is None
 
 
 def test_a_ball_of_times_holds_the_states_of_all_of_them(balls) -> None:

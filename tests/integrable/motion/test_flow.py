@@ -177,12 +177,11 @@ def test_special_bodies_and_starts_against_a_taylor_integration(name) -> None:
     system, gamma, M = SPECIAL[name]
     state = system.state(gamma, M)
     turn = 1 / np.linalg.norm(M)
-    times = [0.0, turn, 5 * turn, -3 * turn]
+    times = [0.0, turn, 3 * turn, -2 * turn]
     run = system.flow(state, kernel="python").at(times)
-    for t, found, momentum in zip(times, run.gamma, run.M, strict=True):
-        truth, expected, _ = taylor(system, state, [t], digits=20)
-        assert np.abs(found - np.array(truth[0], dtype=float)).max() < 2e-12
-        assert np.abs(momentum - np.array(expected[0], dtype=float)).max() < 4e-12 * np.linalg.norm(M)
+    truth, expected, _ = taylor(system, state, times, digits=20)
+    assert np.abs(run.gamma - truth.astype(float)).max() < 2e-12
+    assert np.abs(run.M - expected.astype(float)).max() < 4e-12 * np.linalg.norm(M)
 
 
 @pytest.mark.parametrize("name", ["gamma_2 = 0", "gamma_1 = gamma_2 = 0", "thin ball", "axes in another order"])

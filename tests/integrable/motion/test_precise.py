@@ -69,7 +69,7 @@ def test_a_heavy_ball_is_told_the_time_by_its_torus() -> None:
     assert np.abs(run.gamma.astype(float) - other.gamma).max() < 1e-7
 
 
-@pytest.mark.parametrize("tilt", [0, 1.5], ids=["upright", "tilted"])
+@pytest.mark.parametrize("tilt", [0, pytest.param(1.5, marks=pytest.mark.slow)], ids=["upright", "tilted"])
 def test_two_hundred_digits_agree_with_two_hundred_and_twenty(tilt) -> None:
     runs = []
     for digits in (200, 220):
@@ -237,7 +237,7 @@ def test_lost_digits_are_found_and_made_up_for() -> None:
     )
 
 
-@pytest.mark.parametrize("digits", [17, 40])
+@pytest.mark.parametrize("digits", [pytest.param(17, marks=pytest.mark.slow), 40])
 def test_the_unstable_rotation_against_the_exact_motion(digits) -> None:
     """H1/H2 = a2 with M along the middle axis: M rests, γ turns by a2·t, and every rounding grows like e^(λt)."""
     system = ChaplyginBall((1, 2, 3), 0.7)
@@ -306,6 +306,7 @@ def test_a_certificate_of_a_tilted_ball_with_two_equal_moments_far_away(digits) 
     assert (run.digits >= (12 if digits == 15 else 29)).all()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("digits", [15, 30])
 @pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 2)])
 def test_a_certificate_of_equal_moments_shares_no_closed_form(inertia, digits, monkeypatch) -> None:
@@ -408,6 +409,7 @@ def test_decimal_exponents(x, exponent) -> None:
     assert np.sign(digits_of(0)) == -1
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("time", "tilt"), [("0.3", 0), ("5e-30", 0), ("-3", 1)])
 def test_one_time_alone_is_that_of_the_series(time, tilt) -> None:
     system, state = ball(270, tilt=tilt)

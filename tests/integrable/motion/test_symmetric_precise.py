@@ -49,6 +49,7 @@ def _gap(run, other) -> float:
     return float(max(abs(run.gamma - other.gamma).max(), abs(run.M - other.M).max() / size))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_near_the_start_it_is_what_additions_give(name) -> None:
     """The additions of :mod:`integrable.motion.precise` do not treat equal moments specially."""
@@ -62,6 +63,7 @@ def test_near_the_start_it_is_what_additions_give(name) -> None:
     assert abs(flow.physical_time(run.tau) - run.times).max() <= 1e-28
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_far_away_two_precisions_agree(name) -> None:
     flow = _flow(name)

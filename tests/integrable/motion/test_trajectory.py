@@ -92,6 +92,7 @@ def test_states_one_after_the_other_and_by_their_number(made) -> None:
 # --- the quantities of a system
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("system", DEFORMED, ids=repr)
 def test_a_deformation_has_integrals_and_an_angular_velocity_along_its_run(system) -> None:
     run = motion(system).at([0.0, 0.5, 1.5])
@@ -114,6 +115,7 @@ def test_what_a_deformation_has_not_is_refused_by_name(system) -> None:
         _ = run.contact
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "system", [BALL, DEFORMED[0], pytest.param(DEFORMED[1], marks=pytest.mark.slow), *DEFORMED[2:]], ids=repr
 )

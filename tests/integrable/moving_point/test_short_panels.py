@@ -99,6 +99,7 @@ def test_two_equal_moments_are_gone_through_too(name) -> None:
     assert abs(found[0] - np.hstack([wanted.gamma, wanted.M])).max() < 3e-14
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("apart", [2.0**-52, 1e-12, 1e-10, 1e-8])
 def test_all_but_equal_moments_are_gone_through_too(apart) -> None:
     """Sums over axes of quotients by a small κ would cost translations their digits."""

@@ -41,6 +41,7 @@ def flow_of(name):
     return system.flow(system.state(q, p))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_closed_form_has_the_states_of_additions(name) -> None:
     """In both directions, after 2^40 rounds, and with lifts at each of the branch points."""
@@ -71,6 +72,7 @@ def test_rest_and_separatrices_are_left_to_additions(system, q, p) -> None:
     assert path.q[0].tolist() == list(map(float, q))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("sign", ["direction", "start", "sn", "cn", "dn", "slope", "lift 0", "lift 1"])
 @pytest.mark.parametrize("name", ["Neumann, swinging", "Neumann, going back", "Toda", "Garnier"])
 def test_a_wrong_sign_is_noticed(name, sign, monkeypatch) -> None:

@@ -56,6 +56,7 @@ FLOWS = {
 SLOW = {"Neumann on S⁵": lambda: flow_of(Neumann((1, 2, 3, 4, 5, 6)), True), "geodesic of genus 5": lambda: geodesic(6)}
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", [*FLOWS, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
 def test_many_times_are_those_of_additions(name: str) -> None:
     flow = (FLOWS | SLOW)[name]()
@@ -79,6 +80,7 @@ def test_against_forty_digits() -> None:
     assert np.abs(path.q[[0, 77]] - truth.q.astype(float)).max() < 1e-15
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", FLOWS)
 def test_wrong_phases_and_signs_are_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     flow = FLOWS[name]()
@@ -101,6 +103,7 @@ def test_wrong_phases_and_signs_are_noticed(name: str, monkeypatch: pytest.Monke
     assert name.startswith(("Neumann", "Garnier")) or not has_torus(FLOWS[name]())
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["Neumann on S³", "Garnier with three axes", "geodesic of genus 3"])
 def test_a_wrong_sign_of_a_lift_is_noticed(name: str) -> None:
     flow = FLOWS[name]()

@@ -71,7 +71,7 @@ CASES += [geodesic(*case) for case in GEODESICS]
 TIMES = [0, 0.5, 1, -3.7, 20, 1e3, 1e6 + 0.25, -2e6]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("case", range(len(CASES)))
 def test_many_times_are_those_of_additions(case):
     system, state = CASES[case]

@@ -17,6 +17,7 @@ def case(K, genus, degree):
     return f, (xs, [K.sqrt(poly.evaluate(K, f, x)) for x in xs]), [K.coerce(c) for c in (1, -2, 3)[:genus]]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("genus", "degree"), [(1, 3), (2, 5), (2, 6), (3, 7), (3, 8)])
 @pytest.mark.parametrize("complex", [False, True])
 def test_points_move_as_the_equations_say(genus, degree, complex) -> None:

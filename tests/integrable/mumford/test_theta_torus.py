@@ -46,6 +46,7 @@ def flow_of(name):
     return system.flow(system.state(q, p))
 
 
+@pytest.mark.thinned(2)
 @compiled
 @pytest.mark.parametrize("name", MOTIONS)
 def test_far_states_are_those_of_additions(name) -> None:
@@ -303,6 +304,10 @@ PEAKED = (
     (0.24437093291914905, -0.9694903662316473, -0.019268547642493635),
     (6.24834368864047e-05, 0.00021247112808618054, -0.009897973607382636),
 )
+HALF_PEAKED = (
+    (0.8300975043001154, -0.49018440344848624, 0.2658145668893481),
+    (68939.89971874331, 81210.17395086645, -65530.18608053496),
+)
 
 
 @compiled
@@ -313,12 +318,13 @@ PEAKED = (
         ((1e-5, 2e-3, 40.0), START),
         ((5e-4, 7e-7, 1e-3), START),
         ((305770.3550398829, 1.170872358333604e-06, 2534.3278223786147), PEAKED),
+        ((7.075894384487356e-09, 150.49825275773247, 1655.7120383823026), HALF_PEAKED),
     ],
 )
 def test_states_of_very_unequal_moments_are_the_nearest_floats(moments, start):
     """They were up to 1e-14 off: most modes of the clock were summed in floats, and where dt/dτ is small, τ amplifies
-    their errors. The last motion took seconds: its lifts have narrow peaks, at which the witness of a torus was in
-    doubt.
+    their errors. The last two motions took seconds: their lifts have narrow peaks, with two and four of the eight
+    points at which the witness of a torus is computed.
     """
     system = Veselova(moments)
     flow = system.flow(system.state(*start))
@@ -326,4 +332,4 @@ def test_states_of_very_unequal_moments_are_the_nearest_floats(moments, start):
     times = [0.3 * pace, 1.1 * pace, -17 * pace]
     far, right = forced(flow, "torus").at(times), forced(flow, "additions").at(times)
     assert np.abs(far.q - right.q).max() < 1.2e-16
-    assert np.abs(far.p - right.p).max() < 2.3e-16
+    assert np.abs(far.p - right.p).max() < 2.3e-16 * max(1.0, np.abs(right.p).max())

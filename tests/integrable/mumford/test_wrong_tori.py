@@ -63,6 +63,7 @@ def changed(monkeypatch, **changes):
     monkeypatch.setattr(theta_torus, "theta_basis", refused)
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("place", [(i, j) for i in range(4) for j in range(6)])
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_wrong_characteristic_is_noticed(name, place, monkeypatch) -> None:
@@ -92,6 +93,7 @@ def test_a_wrong_characteristic_is_noticed(name, place, monkeypatch) -> None:
     assert taken == (which not in {*places, 5} and not (which == 4 and used[-1] > len(places) + 1))
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", MOTIONS)
 @pytest.mark.parametrize("change", [-1, 1 + 1e-8])
 @pytest.mark.parametrize("which", [0, 1, 2, 3, 4])

@@ -119,6 +119,7 @@ def test_a_long_run_is_near_the_truth():
         assert np.abs(found.gamma - exact).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_a_thin_ball_needs_steps_of_many_lengths():
     ball = ChaplyginBall((1e-4, 2, 3), 0.7)
     state = ball.state(GAMMA, UPRIGHT)

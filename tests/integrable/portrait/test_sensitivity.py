@@ -31,11 +31,10 @@ def beside(I, d, gamma, M, time, steps, columns=9):  # noqa: E741
 
 
 def test_beside_the_equations_of_variation():
-    bodies = [(1, 2, 3), (2, 3.1, 4.2), (3, 1, 2), (1, 2, 3.5)]
-    M = [(0.384, 1.28, -1.488), (3, 2, -4), (0.1, 2, 0.3), (0.4, 1.2, 0.3)]
-    gaps, _, ways = beside(bodies, (0.7, 9.72, 0.7, 0), [(0.48, 0.6, 0.64)] * 4, M, 5.0, 20)
+    bodies, M = [(2, 3.1, 4.2), (1, 2, 3.5)], [(3, 2, -4), (0.4, 1.2, 0.3)]
+    gaps, _, ways = beside(bodies, (9.72, 0), [(0.48, 0.6, 0.64)] * 2, M, 5.0, 20)
     assert gaps.max() < 1e-13
-    assert ways == ["torus"] * 4
+    assert ways == ["torus"] * 2
 
 
 @pytest.mark.slow

@@ -58,6 +58,7 @@ def test_the_other_motions_are_problems_too(name):
     assert abs(found - expected).max() < 1e-12 * max(map(abs, expected))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", certified_names())
 def test_floats_of_the_flow_agree(name):
     motion = certified(name)

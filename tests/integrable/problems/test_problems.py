@@ -78,6 +78,7 @@ def test_the_jacobian_beside_differences_of_fifty_digits(name) -> None:
             assert np.abs(found[:, j] - slopes).max() <= 16 * EPS * max(1, np.abs(found).max())
 
 
+@pytest.mark.thinned(3)
 @over_problems
 def test_the_rates_move_no_integral(name) -> None:
     """For each integral, its slope along the right-hand side, by differences, and its drift along the true motion."""
@@ -111,7 +112,7 @@ def test_right_hand_sides_are_the_equations_written_once_more(name, written, con
         assert np.abs(one.rhs(0, one.y0) - expected).max() <= 16 * EPS * np.abs(expected).max()
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @over_problems
 def test_truth_beside_series_that_share_no_code(name) -> None:
     one = starts(name, 1)[-1]
@@ -130,6 +131,7 @@ def test_truth_of_random_starts_beside_series(name) -> None:
         assert distance_from_series(one, rng.uniform(-4, 4) * one.time_scale, 30) <= 1, one.y0
 
 
+@pytest.mark.thinned(3)
 @over_problems
 def test_truth_in_any_order_shape_and_number_of_digits(name) -> None:
     one = problem(name)
@@ -145,6 +147,7 @@ def test_truth_in_any_order_shape_and_number_of_digits(name) -> None:
     assert one.error(np.full(found.y.shape, np.nan), found).min() == np.inf
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["t_handle", "henon_heiles_bounded", "lagrange_vertical", "ellipsoid"])
 def test_proven_truth_contains_the_estimated_one(name) -> None:
     one = problem(name)

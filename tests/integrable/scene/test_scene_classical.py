@@ -152,6 +152,7 @@ def test_integrators_take_every_system(system, name):
     assert np.abs(found.M - true.p).max() < 1e-7
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("system", "order"), [("ellipsoid", 2), ("neumann", 2), ("toda", 1)])
 def test_the_discretization_of_a_system_is_a_method_of_its_own(system, order):
     scene = short(system, 0, 1)

@@ -53,6 +53,7 @@ def assert_rounded(path, expected) -> None:
         assert (np.abs(found - true).max(axis=1) <= 2e-16 * np.abs(true).max(axis=1)).all()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "n"), SERIES)
 def test_near_times_are_those_of_forty_digits(name, n) -> None:
     system, state = REAL[name](RR, n)

@@ -45,6 +45,7 @@ def off(found, true):
     return (np.abs(found - true).max(axis=-1) / np.abs(true).max(axis=-1)).max()
 
 
+@pytest.mark.thinned(3)
 @over_some
 def test_the_compiled_walk_and_the_recurrences_differ_by_rounding_only(name, n) -> None:
     system, state = REAL[name](RR, n)
@@ -356,6 +357,21 @@ def test_no_torus_is_made_for_times_that_several_walks_reach() -> None:
     assert "_torus" not in vars(flow)
 
 
+def test_the_rounding_error_of_a_zero_is_no_time_scale() -> None:
+    """The axis and the momentum stay in a plane but for a rate of 2e-22: the unit of time was 1e-26 in place of 1e-10,
+    and no step was taken.
+    """
+    system = Veselova((5.817028519568047e-06, 3.0164792866732826e-06, 1.5707723532407446e-06))
+    state = system.state(
+        (-0.999999444807108, -0.001053748298065717, 0.0), (13.229814643537456, -12554.99754801343, 0.0)
+    )
+    given, times = system.flow(state)._walk_given, np.array([1e-11, 2e-10])
+    found = system._kind.walk(WIDE)(*given, times, FINE, 1e3)
+    assert (found.reached, found.wrong) == (2, None)
+    true = states_of(system._kind, *given, times)
+    assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
+
+
 def test_barriers_of_nothing_are_none() -> None:
     """They used to be terms 0/q_1², so that a walk from q_1 = 0 could not begin."""
     system = HenonHeiles((1.0,), -0.5, -0.25)
@@ -384,6 +400,7 @@ def test_sums_that_cancel_in_the_finest_steps_are_renormalized() -> None:
     assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("toda", 3), ("garnier", 3), ("lagrange", 3)])
 @pytest.mark.parametrize("orders", [WIDE, Orders(5, 30)])
 def test_orders_in_a_loop_are_those_of_straight_line_code(name, n, orders, monkeypatch) -> None:

@@ -150,6 +150,7 @@ LOSING = {
 }
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", LOSING)
 @pytest.mark.parametrize("field", [RR, MP(30)], ids=str)
 def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, field) -> None:
@@ -167,7 +168,7 @@ def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, fie
 def test_steps_of_all_kinds_on_all_kinds_of_bodies() -> None:
     """Bodies of wide distributions, upright and tilted: images are right to rounding or refused by name."""
     rng, tried, refused = Random(5), 0, 0
-    while tried < 60:
+    while tried < 30:
         system, state, _ = random_motion(rng)
         maps = [lambda b: b.multiplication(3), lambda b: b.keyless(), lambda b: b.translation([0.3j, -0.3j])]
         maps += [lambda b: b.torsion()] if system.d else [lambda b: b.conic(0.7, 2.0)]

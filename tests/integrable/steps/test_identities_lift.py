@@ -223,6 +223,7 @@ def test_the_conjugate_pair(K, kind) -> None:
     assert after == before
 
 
+@pytest.mark.thinned(3)
 @over_fields()
 @KINDS
 def test_which_images_are_over_the_field(K, kind) -> None:

@@ -157,6 +157,7 @@ NOT_CANONICAL = {
 }
 
 
+@pytest.mark.thinned(3)
 @over_fields()
 @pytest.mark.parametrize(
     ("kind", "name"),
@@ -170,6 +171,7 @@ def test_canonical_steps(K, kind, name) -> None:
     assert system.integrals(step(state)) == system.integrals(state)
 
 
+@pytest.mark.thinned(3)
 @over_fields()
 @KINDS
 @pytest.mark.parametrize("name", NOT_CANONICAL)

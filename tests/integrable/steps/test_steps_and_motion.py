@@ -64,6 +64,7 @@ def _speeds(system, state):
     return rate, tuple(K.div(x, g) for x in rate)
 
 
+@pytest.mark.thinned(3)
 @over_fields()
 @pytest.mark.parametrize(("kind", "name"), EVERY)
 def test_sums_commute_with_the_motion_in_tau_and_at_d_0_in_t(K, kind, name) -> None:

@@ -345,7 +345,7 @@ def test_a_ball_of_mass_and_radius_has_in_doubles_the_d_of_doubles():
     assert in_doubles(given).start(30)[0].d == given.start(15)[0].d
 
 
-@pytest.mark.parametrize("name", ["chaplygin", "euler_top"])
+@pytest.mark.parametrize("name", [pytest.param("chaplygin", marks=pytest.mark.slow), "euler_top"])
 def test_the_truth_and_every_comparator_begin_from_the_same_numbers(name, monkeypatch):
     """These are the doubles unchanged or, in more digits, the same doubles with the constraints restored."""
     scene = load_scene(name)

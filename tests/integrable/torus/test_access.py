@@ -73,6 +73,7 @@ def scene(name: str):
     return system, system.state(gamma, M, tilted="(γ, M)" in name), np.linalg.norm(M), tolerance
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
     """τ|M| up to 10^6, forwards and backwards, compared with different additions in different numbers."""
@@ -86,6 +87,7 @@ def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
         assert max(abs(float(x - y)) for x, y in zip(M.tolist(), true_M, strict=True)) < 2 * tolerance * spin
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "name",
     ["S1", "two equal moments", "gamma_2 = 0", "slow spin", "(γ, M) = 1.5", "S4a, thin", "moments 1 : 10^4 : 10^8"],
@@ -232,6 +234,21 @@ def test_the_clock_next_to_a_resonance_is_that_of_thirty_digits() -> None:
     found, true = flow.at_tau(times), exact.at_tau(times)
     assert found.way == "torus"
     assert np.abs(found.times / true.times.astype(float) - 1).max() < 3e-16
+
+
+def test_dense_times_give_the_same_bits_whatever_was_asked_before() -> None:
+    """The length of panels was that of the shortest interval so far, so that bits changed with it."""
+    times = 1e4 + np.linspace(0, 1000, 20_000)
+    first, flow = BALL.flow(BALL.state(*START)).at(times), BALL.flow(BALL.state(*START))
+    for length in (3, 1):
+        flow.at(1e4 + np.linspace(0, length, 6000))
+    again = flow.at(times)
+    assert first.way == "torus"
+    assert np.array_equal(first.gamma, again.gamma)
+    assert np.array_equal(first.M, again.M)
+    some = slice(None, None, 4000)
+    assert np.abs(first.gamma[some] - flow.at(times[some]).gamma).max() < 8e-15
+    assert np.abs(flow.at_tau(times).gamma[some] - flow.at_tau(times[some]).gamma).max() < 8e-15
 
 
 def test_a_grid_that_is_too_coarse_is_noticed() -> None:

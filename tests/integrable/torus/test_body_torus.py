@@ -10,7 +10,7 @@ from integrable.motion.precise import PreciseFlow
 from integrable.torus import access
 from integrable.torus.access import BodyTorus
 from integrable.torus.lattice import beginning
-from integrable.torus.loops import CompiledLoops, ReadableLoops
+from integrable.torus.loops import CompiledLoops, ReadableLoops, shortest
 from integrable.torus.states import velocity
 from integrable.torus.theta_setup import ALONG, FREQUENCIES, IMAGINARY, start_frame
 from jacobian import PrecisionLoss
@@ -74,6 +74,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("name", ["ball", "ζ above the middle"])
 @pytest.mark.parametrize("change", CHANGES)
@@ -199,3 +200,11 @@ def test_two_equal_moments_have_an_opened_oval() -> None:
             found = np.empty(18)
             torus.loops.states_at_tau(torus.torus, torus.rates[6:8], tau, found)
             assert np.abs(found.reshape(3, 6) - true).max() < 2e-15
+
+
+def test_the_least_values_of_a_form_along_its_rows() -> None:
+    """nYn for n = (1, x) and n = (x, 1), compared with a grid of x: rows of a sum end where it is large."""
+    x = np.linspace(-2, 2, 4001)
+    least = (2 + 1.5 * x + 1.5 * x**2).min(), (2 * x**2 + 1.5 * x + 1.5).min()
+    assert shortest((2.0, 0.75, 1.5)) == pytest.approx(least, rel=1e-12)
+    assert shortest((0.0, 0.0, 3.0)) == (float("inf"), 3.0)

@@ -57,6 +57,7 @@ def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
         assert abs(scaled / setup.time_scale - tau) < 1e-15
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("ball", "start", "tilted"),
     [
@@ -134,7 +135,9 @@ def test_a_series_of_many_digits_leaves_to_floats_what_they_hold(digits) -> None
             assert abs(found - swing(a, b)) < 100 * largest * K.coerce(10) ** -known
 
 
-@pytest.mark.parametrize(("inertia", "apart"), [((1, 2, 2), 28), ((2, 2, 1), 22), ((1, 3, 1), 28)])
+@pytest.mark.parametrize(
+    ("inertia", "apart"), [((1, 2, 2), 28), ((2, 2, 1), 22), pytest.param((1, 3, 1), 28, marks=pytest.mark.slow)]
+)
 def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, apart) -> None:
     """At 30 digits, far states of a tilted ball with two moments 10^-28 apart were off by 10^-20, without an error."""
     K = MP(30)
@@ -154,6 +157,7 @@ def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, ap
         assert max(abs(there.gamma[0] - run.gamma[1])) < 1e-18
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("d", ["1e-10", "1e-15", "1e-20", "1e-150"])
 def test_tables_of_a_light_ball_are_no_larger_than_those_of_another(d) -> None:
     """All modes but one are below the digits of the first tables, whose noise used to be taken for slow decay.
@@ -263,11 +267,11 @@ def test_the_basis_of_the_periods_is_unimodular_and_reduced(ball) -> None:
     ("ball", "start", "tilted"),
     [
         (BALL, START, False),
-        (THIN, START, False),
-        (ChaplyginBall((1, 1.01, 2), 0.7), START, False),
         (BALL, (START[0], (1.104, 2.18, -0.528)), True),
+        pytest.param(THIN, START, False, marks=pytest.mark.slow),
+        pytest.param(ChaplyginBall((1, 1.01, 2), 0.7), START, False, marks=pytest.mark.slow),
     ],
-    ids=["ball", "thin", "moments nearly equal", "tilted"],
+    ids=["ball", "tilted", "thin", "moments nearly equal"],
 )
 def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> None:
     """A determinant of complete elliptic integrals compared with the mean over grids, which converges to it
@@ -389,6 +393,7 @@ def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypat
     assert 100 < max(rows) < 300
 
 
+@pytest.mark.slow
 def test_a_far_time_needs_modes_for_its_digits_after_the_point_alone():
     """At t = 10⁴⁵ with a set-up of 90 digits, modes to 40 digits give the same τ to 1e-35: a quarter as many."""
     body = ChaplyginBall((1, 2, 3), "0.7", field=MP(90))
@@ -405,7 +410,7 @@ def test_a_far_time_needs_modes_for_its_digits_after_the_point_alone():
 
 
 def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
-    """After Ctrl-C at t = 1e308, nearer times used to be as slow as that one."""
+    """After Ctrl-C at a far time, nearer times used to be as slow as that one."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
     flow = ball.flow(ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START)))
     before = flow.at([2]).gamma[0].tolist()
@@ -414,30 +419,30 @@ def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
     with monkeypatch.context() as patch:
 
         def interrupted(*_):
-            assert many.carrier.digits > 300
+            assert many.carrier.digits > digits + 50
             raise KeyboardInterrupt
 
         patch.setattr(BodyCarrier, "point", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            flow.at([ball.field.coerce("1e308")])
+            flow.at([ball.field.coerce("1e80")])
     assert many.carrier.digits == digits
     assert flow.at([2]).gamma[0].tolist() == before
 
 
 def test_near_times_have_the_first_digits_again_after_a_far_one():
-    """After t = 1e308 they used to take ten times as long ever after. A second far time needs no second set-up."""
+    """After a far time they used to take ten times as long ever after. A second far time needs no second set-up."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
     state = ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START))
     flow, alone = ball.flow(state), ball.flow(state)
     before, many = flow.at([2]).gamma[0].tolist(), flow._many
     first = many.carrier
-    far = flow.at([ball.field.coerce("1e100")])
+    far = flow.at([ball.field.coerce("1e60")])
     wide = many.carrier
-    assert wide.digits > first.digits + 50
+    assert wide.digits > first.digits + 30
     assert flow.at([2]).gamma[0].tolist() == before
     assert many.carrier is first
     for method in ("at", "at_tau"):
-        run = getattr(flow, method)([ball.field.coerce("1e100"), 2])
+        run = getattr(flow, method)([ball.field.coerce("1e60"), 2])
         assert many.carrier is wide
-        assert run.gamma.tolist() == getattr(alone, method)([ball.field.coerce("1e100"), 2]).gamma.tolist()
-    assert far.gamma[0].tolist() == flow.at([ball.field.coerce("1e100")]).gamma[0].tolist()
+        assert run.gamma.tolist() == getattr(alone, method)([ball.field.coerce("1e60"), 2]).gamma.tolist()
+    assert far.gamma[0].tolist() == flow.at([ball.field.coerce("1e60")]).gamma[0].tolist()

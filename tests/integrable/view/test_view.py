@@ -17,6 +17,7 @@ from jacobian.errors import ArgumentError, NotRepresentable
 from tests.browser import opened
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["chaplygin", "euler_top", "tilted_ball", "different_moments"])
 def test_the_points_lie_on_the_curve_and_their_angles_on_a_line(name):
     """The angles are integrals along the ovals, computed without the flow; by Abel's theorem they are linear in τ."""

@@ -45,7 +45,7 @@ def plain_multiple(C, m, a):
     )
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "genus", "model", "with_h"), SMALL_ROWS)
 def test_every_pair_of_a_small_group(name, genus, model, with_h):
     C = random_curve(SMALL[name], genus, "pairs", model=model, with_h=with_h).arithmetic_model
@@ -58,7 +58,7 @@ def test_every_pair_of_a_small_group(name, genus, model, with_h):
         assert kernel.sum_of(a, b) == cantor.sum_of(C, a, b), (a, b)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", [pytest.param(row, id=str(row)) for row in ROWS if row.K != QQ])
 def test_pairs_and_multiples_of_every_row(row):
     C = row.curve.arithmetic_model
@@ -74,6 +74,7 @@ def test_pairs_and_multiples_of_every_row(row):
             assert kernel.multiple(scalar, a) == plain_multiple(C, scalar, a), (scalar, a)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("p", PRIMES)
 @pytest.mark.parametrize("model", ["ramified", "split"])
 @pytest.mark.parametrize("genus", [2, 3])
@@ -96,6 +97,7 @@ def test_primes_up_to_the_end_of_a_word(p, model, genus):
         assert kernel.sum_of(kernel.double(a), opposite) == a
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("with_h", [False, True])
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 @pytest.mark.parametrize("K", [GF(7), GF(2, 3, (1, 1, 0, 1)), GF(3, 2, (2, 2, 1))], ids=["GF(7)", "GF(8)", "GF(9)"])
@@ -129,6 +131,7 @@ KERNELS = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", KERNELS)
 @settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))

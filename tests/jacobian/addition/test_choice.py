@@ -207,6 +207,7 @@ def test_long_primes_take_gmp(p, formulas):
     assert type(kernel(C).sum_of.__self__) is formulas
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("with_h", [False, True])
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 @pytest.mark.parametrize("p", [101, 2**61 - 1, 2**127 - 1, 2**255 - 19])

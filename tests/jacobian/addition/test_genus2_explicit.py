@@ -87,6 +87,7 @@ LARGE_ROWS = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", LARGE_ROWS)
 def test_pool_and_random_pairs(row, rng):
     C, J = row.curve.arithmetic_model, row.curve.jacobian()

@@ -102,6 +102,7 @@ def test_ladders_through_every_multiple_of_a_class(p):
 CURVES = {(p, curve): curve(p, "walk") for p in PRIMES for curve in (septic, octic)}
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("p", "curve"), CURVES)
 @settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))

@@ -51,7 +51,7 @@ def assert_equal(C, triples):
         assert nucomp.sum_of(C, a, b) == cantor.sum_of(C, a, b), (a, b)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("genus", GENERA)
 @pytest.mark.parametrize("field", ["GF(7)", "GF(2^61-1)"])
@@ -65,6 +65,7 @@ def test_large_genus(field, genus, model, with_h):
     assert_equal(C, triples[:5] if genus > 10 else triples)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("genus", [6, 12])
 @pytest.mark.parametrize("field", ["GF(2^8)", "GF(3^5)"])
@@ -86,7 +87,7 @@ def test_every_genus_up_to_thirty(field, model):
         assert_equal(C, classes(C, rng)[:4])
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     "row", [pytest.param(row, id=str(row)) for row in ROWS if row.genus <= 4 and row.model != "moved"]
 )

@@ -18,6 +18,7 @@ def affine(row, rng, count):
     return [row.curve.random_point(rng) for _ in range(count)]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", FINITE)
 def test_a_point_and_its_opposite_cancel(row, rng):
     C, J = row.curve, row.curve.jacobian()
@@ -29,6 +30,7 @@ def test_a_point_and_its_opposite_cancel(row, rng):
     assert J.from_points([P, Q, C.involution(Q), Q]) == J.from_points([P, Q])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", FINITE)
 def test_sums_of_points_are_sums_of_classes(row, rng):
     C, J = row.curve, row.curve.jacobian()
@@ -43,6 +45,7 @@ def test_sums_of_points_are_sums_of_classes(row, rng):
         assert J(points[0]) == J(points[0], C.points_at_infinity()[0])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", FINITE)
 def test_many_points_are_one_semi_reduced_pair(row, rng):
     """More than g points are added in parts; one pair of all of them, reduced, is the same class."""
@@ -66,6 +69,7 @@ def test_thousands_of_points(rng):
     assert J.from_points([P, Q] * 2000 + [P]) == 2000 * J.from_points([P, Q]) + J.from_points([P])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", FINITE)
 def test_common_points_and_tangents(row, rng):
     J = row.curve.jacobian()
@@ -76,6 +80,7 @@ def test_common_points_and_tangents(row, rng):
     assert J.from_points([P, Q]) - J.from_points([P, R]) == J(Q, R)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("row", [row for row in FINITE if row.values[0].model != "inert"])
 def test_branch_points_have_order_two(row):
     C, J = row.curve, row.curve.jacobian()

@@ -27,7 +27,7 @@ def of(C):
     return TwoWordKernel(C, python_kernel(C))
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", SMALL)
 def test_every_pair_and_ladder_of_a_small_group(name, model):
@@ -64,6 +64,7 @@ def with_two_torsion_points(K, model):
             return C, [(x, K.sqrt(poly.evaluate(K, C.f, x))) for x in (2, 3)]
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", LONG)
 def test_special_classes_of_long_fields(name, model):
@@ -89,6 +90,7 @@ def test_special_classes_of_long_fields(name, model):
 CURVES = {f"{name}, {model}": short_curve(K, model, "walk") for name, K in LONG.items() for model in MODELS}
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", CURVES)
 @settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))

@@ -73,6 +73,7 @@ def check_by_counting(C, bound, most=counting.ARRAY_SIZE):
     assert sorted([*L.p.tolist(), *L.bad]) == primes_up_to(bound).tolist()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("f", "h"), EVERY_DAY)
 def test_by_points_counted_one_by_one(f, h):
     C = HyperellipticCurve(QQ, f, h)
@@ -100,7 +101,7 @@ def test_four_hundred_pairs_of_pari(seed):
         assert [int(pari.polcoef(chi, i)) for i in range(2 * C.genus, -1, -1)] == L.polynomial(p), (C, p)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("f", "h"), EVERY_DAY)
 def test_orders_are_those_of_random_classes(f, h):
     """L_p(1) annihilates random classes, also at primes that only the forest reaches; a_1 is within Weil's bound."""
@@ -121,7 +122,7 @@ def check_points(C, L, p, degrees):
     assert [said[k - 1] for k in degrees] == [points(C.discriminant, p, k) for k in degrees], (C, p)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("f", "h"), EVERY_DAY)
 def test_functional_equation(f, h):
     """The upper half of L_p, made from the lower half, gives the numbers of points over GF(p^(g+1)) … GF(p^2g)."""
@@ -180,7 +181,7 @@ def test_all_published_curves():
 # --- the forest, walks and matrices
 
 
-@pytest.mark.parametrize("g", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("g", [1, 2, 3, 4, pytest.param(6, marks=pytest.mark.slow)])
 def test_matrices_are_those_of_the_power(g):
     """Compared with coefficients of F^((p−1)/2), for blocks of any size: one walk, or many trees."""
     flint = pytest.importorskip("flint")
@@ -217,7 +218,7 @@ class Killed(Exception):
     pass
 
 
-@pytest.mark.parametrize("after", [60, 400, 1500])
+@pytest.mark.parametrize("after", [pytest.param(60, marks=pytest.mark.slow), 400, 1500])
 def test_a_run_that_is_killed_goes_on(monkeypatch, tmp_path, after):
     """It goes on from the last saved state, with trees and without, to the same result."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"

@@ -125,7 +125,11 @@ def test_dirichlet_coefficients_of_genus_2():
 # --- pictures, and the command
 
 
-@pytest.mark.parametrize("f", [[1, -1, 0, 1], [1, -1, 0, 0, 0, 1], [1, 0, 1, 0, 0, 0, 0, 1]])
+@pytest.mark.parametrize(
+    "f",
+    [[1, -1, 0, 1], [1, -1, 0, 0, 0, 1], pytest.param([1, 0, 1, 0, 0, 0, 0, 1], marks=pytest.mark.slow)],
+    ids=["genus 1", "genus 2", "genus 3"],
+)
 def test_pictures(tmp_path, f):
     from jacobian.arithmetic.pictures import draw, figure
 

@@ -39,7 +39,7 @@ def assert_every_pair(K, genus, model, with_h):
     assert_equal_to_cantor(J, classes[:: max(1, len(classes) // 250)])
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("name", "model", "with_h"), genus_two_rows(SMALL))
 def test_every_pair_of_a_small_group(name, model, with_h):
     assert_every_pair(SMALL[name], 2, model, with_h)
@@ -66,6 +66,7 @@ def test_every_pair_of_other_genera(name, model, genus):
 POOLS = [pytest.param(row, id=str(row)) for row in ROWS if row.genus < 4 or row.field == "GF(101)"]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("row", POOLS)
 def test_pools_of_special_classes(row):
     J = row.curve.jacobian()
@@ -85,6 +86,7 @@ def large_curve(name, model, monic=False):
             return C
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", PRIMES)
 def test_rows_over_large_primes(name, model):
@@ -109,6 +111,7 @@ def test_ends_of_blocks(count):
 # --- multiples and sums
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", PRIMES)
 def test_multiples(name, model):

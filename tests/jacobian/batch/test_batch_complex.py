@@ -85,7 +85,7 @@ def distance(found, true, units):
     return max((abs(x - y) / size for x, y in zip(*numbers, strict=True)), default=0)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", CURVES)
 def test_sums_of_random_divisors(name):
     """One to one, one to many, doubles: as accurate as single additions, to which no row is left."""
@@ -210,7 +210,7 @@ def single(J, D, E):
         return 2, None
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("name", CURVES)
 def test_arrays_row_by_row(name):
     """Pairs of divisors of two, one and no points, weights at infinity and opposites agree with single additions."""

@@ -59,6 +59,7 @@ def columns(divisors):
     return np.array([[float(c) for c in (*D.u[:2], *D.v)] for D in divisors]).T.copy()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", CURVES)
 def test_sums_of_random_divisors(name):
     """One to one, one to many, doubles, in more than one block."""
@@ -150,6 +151,7 @@ def distance(found, true):
     return max(abs(float(x - y)) / size for x, y in zip((*found.u, *found.v), (*true.u, *true.v), strict=True))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["easy", "with h"])
 def test_arrays_of_every_weight(name):
     """Every pair of divisors of weight 2, 1 and 0, including opposite ones, agrees with 50 digits."""

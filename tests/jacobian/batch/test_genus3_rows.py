@@ -28,6 +28,7 @@ def group(p, with_h=False):
     return J
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("with_h", [False, True])
 @pytest.mark.parametrize("kind", CONTEXTS)
 def test_every_pair_on_every_context(kind, with_h, monkeypatch):
@@ -51,6 +52,7 @@ def test_every_pair_of_a_small_group(p):
         assert (total == cantor_of(A, B)).all()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("p", CONTEXTS.values())
 def test_rows_over_large_primes(p):
     assert_rows_equal_cantor(group(p), 2000, 30)

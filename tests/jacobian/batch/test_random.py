@@ -29,6 +29,7 @@ FIELDS = {
 }
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 @pytest.mark.parametrize("name", FIELDS)
 def test_rows_are_classes(name, model):
@@ -63,11 +64,12 @@ def cyclic_group(model):
     raise AssertionError
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("model", "rows"),
     [
-        # rows of two words take seconds: one model every day
-        pytest.param(model, rows, marks=pytest.mark.slow if rows is TwoWordRows and model != "inert" else ())
+        # rows of two words take seconds
+        pytest.param(model, rows, marks=pytest.mark.slow if rows is TwoWordRows else ())
         for model in ("ramified", "split", "inert")
         for rows in (CompiledRows, TwoWordRows)
     ],
@@ -77,7 +79,7 @@ def test_classes_are_uniform(model, rows, monkeypatch):
     J, logarithms = cyclic_group(model)
     monkeypatch.setitem(J.__dict__, "_rows", rows(J))
     assert sampler(engine(J)).possible
-    each = 5 if rows is CompiledRows else 2
+    each = 3 if rows is CompiledRows else 2
     A = J.random(Random(5), size=each * len(logarithms))
     seen = np.bincount([logarithms[D] for D in A], minlength=len(logarithms))
     freedom = len(logarithms) - 1

@@ -39,7 +39,7 @@ def assert_right(J, classes):
     assert (DivisorArray.from_arrays(J, C.u, C.v, C.n) == C).all()
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("name", "with_h"), with_and_without_h(SMALL))
 def test_every_pair_of_a_small_group(name, model, with_h):
@@ -49,7 +49,7 @@ def test_every_pair_of_a_small_group(name, model, with_h):
     assert_right(J, classes[:: max(1, len(classes) // 40)])
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("name", "with_h"), with_and_without_h(LONG))
 def test_special_rows_over_long_fields(name, model, with_h):
@@ -66,6 +66,7 @@ def test_pairs_of_a_small_group_of_genus_3(p, with_h):
     assert_right(J, classes[:: max(1, len(classes) // 24)])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("p", PRIMES)
 def test_special_rows_of_genus_3(p):
     J = septics.with_branch_points(p).jacobian()
@@ -73,6 +74,7 @@ def test_special_rows_of_genus_3(p):
     assert_right(J, septics.special_classes(J.curve, Random(p)))
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("p", PRIMES)
 def test_mixes_of_rows_of_genus_3(p):
     """Sums compared with Cantor's, for any leading coefficient of f and h ≠ 0."""
@@ -92,7 +94,7 @@ def test_mixes_of_rows_of_genus_3(p):
 GROUPS = {f"{name}, {model}": group(K, model) for name, K in list(LONG.items())[1::2] for model in MODELS}
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", GROUPS)
 @settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 2**32), count=st.integers(1, 530), m=st.integers(-(2**130), 2**130))

@@ -132,6 +132,7 @@ def test_naming_infinity():
         HyperellipticCurve(K7, RAMIFIED.f, infinity_plus=3)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("row", [pytest.param(row, id=str(row)) for row in ROWS if row.model == "split"])
 def test_principal_parts_agree_with_y_at_infinity(row):
     from jacobian import poly
@@ -193,6 +194,7 @@ def test_inexact_divisors_are_built_and_pickled(K, f):
 # --- points
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", [pytest.param(row, id=str(row)) for row in ROWS if row.K != QQ and row.genus <= 3])
 def test_lifting_x(row):
     C, K = row.curve, row.K

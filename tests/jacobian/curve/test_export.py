@@ -68,6 +68,7 @@ def test_texts():
     assert "R.base_ring()([2, 1])" in C.to_sage()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("count", [2, pytest.param(40, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("K", "genera"),

@@ -8,6 +8,7 @@ from jacobian.fields.irreducible import first_irreducible
 from jacobian.fields.residue import ResidueField
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("degree", [1, 2, 3])
 @pytest.mark.parametrize("K", [GF(3), GF(7), GF(13), GF(2, 2), GF(3, 2)], ids=repr)
 def test_square_roots_of_all_elements(K, degree):

@@ -80,7 +80,8 @@ def points(C, n):
     return int(affine.sum() + infinite.sum())
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(15, marks=pytest.mark.slow)])
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("count", [3, pytest.param(15, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("p", "k"), FIELDS)
 def test_every_pair(p, k, count):
     K, rng = GF(p, k), Random(f"{p} {k} {count}")

@@ -44,6 +44,7 @@ def obeys_weil(chi, q):
     return bool(np.all(np.abs(np.abs(roots) / q**0.5 - 1) < 1e-3))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("p", "k", "genus", "model", "with_h"), COUNTED)
 def test_the_search_agrees_with_counting(p, k, genus, model, with_h):
     for seed in range(2):
@@ -69,6 +70,7 @@ GENUS_ONE = [
 ]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("p", "k", "model"), GENUS_ONE)
 def test_genus_one_needs_no_count_and_no_matrix(p, k, model, monkeypatch):
     curves = [random_curve(GF(p, k), 1, seed, model=model, with_h=p == 2) for seed in range(3)]
@@ -103,6 +105,7 @@ def test_genus_one_by_complex_multiplication(p):
     assert HyperellipticCurve(GF(p), [0, -1, 0, 1]).jacobian().frobenius_polynomial() == [p, -trace, 1]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("p", "k", "genus"), [(3, 3, 2), (3, 3, 3), (5, 2, 3), (7, 2, 3), (5, 3, 2)])
 def test_hasse_witt_over_extensions(p, k, genus):
     C = random_curve(GF(p, k), genus, "norm", with_h=True)
@@ -121,6 +124,7 @@ def test_the_recurrence_gives_the_coefficients_of_the_power(monkeypatch):
         assert found[0] == found[1]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("p", [10007, 100_003, 999_983])
 @pytest.mark.parametrize("genus", [2, 3])
 def test_large_primes(p, genus):

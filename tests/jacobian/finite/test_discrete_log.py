@@ -23,6 +23,7 @@ MEDIUM = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("row", [pytest.param(r, id=str(r)) for r in ROWS if r.field == "GF(7)" and r.genus <= 2])
 def test_all_logarithms_in_small_groups(row):
     J = row.curve.jacobian()
@@ -40,6 +41,7 @@ def test_all_logarithms_in_small_groups(row):
             J.log(base, D)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("J", MEDIUM)
 def test_pohlig_hellman(J):
     rng = Random(8)
@@ -53,6 +55,7 @@ def test_pohlig_hellman(J):
         assert pohlig_hellman(base, target, factorization(order)) == m
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("J", MEDIUM)
 def test_intervals(J):
     rng = Random(9)

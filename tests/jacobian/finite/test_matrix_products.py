@@ -83,6 +83,7 @@ def matrix(p, ratios, k):
     return found
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("genus", [1, 2, 3, 4])
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 def test_frobenius_modulo_p_is_that_of_the_recurrence(genus, model, monkeypatch):
@@ -117,6 +118,7 @@ def test_special_curves(f, monkeypatch):
         monkeypatch.undo()
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("p", "degree"),
     [
@@ -143,7 +145,7 @@ def test_orders_annihilate_the_curve_and_its_twist(p, genus, model):
     rng = np.random.default_rng(1)
     for E, order in ((C, sum(chi)), (C.quadratic_twist(), sum(twisted))):
         if E.model != "inert" or genus == 2:
-            assert not any(order * D for D in E.jacobian().random(rng, size=100))
+            assert not any(order * D for D in E.jacobian().random(rng, size=20))
     low, high = C.jacobian().order_bounds()
     assert low <= sum(chi) <= high
 

@@ -48,6 +48,7 @@ def full(request):
     return J, m, T.generators
 
 
+@pytest.mark.thinned(3)
 def test_weil_is_bilinear_alternating_and_non_degenerate(full):
     J, m, basis = full
     K, rng = J.field, Random(1)
@@ -104,7 +105,7 @@ def test_tate_is_the_weil_pairing_with_frobenius_minus_one(p, m):
         assert J.tate_pairing(D, F, m) == J.weil_pairing(D, E, m)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("q", "genus", "model"),
     [

@@ -17,6 +17,7 @@ FINITE = [
 ]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", FINITE)
 def test_fixed_base_is_the_multiple(row):
     rng, J = Random(f"fixed {row}"), row.curve.jacobian()
@@ -40,6 +41,7 @@ def test_fixed_base_over_the_rationals():
     assert [table(m) for m in range(-4, 5)] == [m * D for m in range(-4, 5)]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", FINITE)
 def test_combinations_are_sums(row):
     rng, J = Random(f"combination {row}"), row.curve.jacobian()
@@ -132,6 +134,7 @@ SUBFIELD = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("K", "f", "h"), SUBFIELD)
 def test_frobenius_is_an_endomorphism_that_its_polynomial_annihilates(K, f, h):
     C = HyperellipticCurve(K, f, h)

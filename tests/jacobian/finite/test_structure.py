@@ -50,6 +50,7 @@ def is_structure(S, J):
     return True
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("C", SMALL)
 def test_the_generators_generate_the_listed_group(C):
     J = C.jacobian()
@@ -63,6 +64,7 @@ def test_the_generators_generate_the_listed_group(C):
     assert J.exponent() == S.exponent
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("C", SMALL)
 def test_log_has_the_coordinates_of_all_classes(C):
     J = C.jacobian()
@@ -92,6 +94,7 @@ def test_log_in_subgroups():
     assert [found.log(m * found.generators[0]) for m in range(3)] == [(0,), (1,), (2,)]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("C", SMALL)
 def test_torsion_is_what_m_annihilates(C):
     J = C.jacobian()
@@ -106,6 +109,7 @@ def test_torsion_is_what_m_annihilates(C):
         assert all(not m * D for D in elements)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("C", SMALL[::3])
 def test_divisibility_is_being_a_multiple(C):
     J = C.jacobian()

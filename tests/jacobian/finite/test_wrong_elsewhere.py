@@ -64,11 +64,11 @@ def test_a_factor_at_two():
     """
     C = HyperellipticCurve(QQ, [0, 1, -170, 65, 88, 16])
     E = HyperellipticCurve(QQ, [-1, 1, -1], [1, 0, 0, 1])
-    found, expected = C.l_polynomials(2000), E.l_polynomials(2000)
+    found, expected = C.l_polynomials(800), E.l_polynomials(800)
     assert 2 in found.bad
     assert expected.bad == (2, 3, 139)
     common = set(found.p.tolist()) & set(expected.p.tolist())
-    assert len(common) > 290
+    assert len(common) > 130
     assert all(found.polynomial(p) == expected.polynomial(p) for p in common)
     modulus = np.sort(np.abs(np.roots([1, 0, 1, -2])))
     assert np.allclose(modulus, [1, 2**0.5, 2**0.5])

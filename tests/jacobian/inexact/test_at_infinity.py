@@ -25,6 +25,7 @@ def classes(curve, rng):
     return found
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("with_h", [False, True])
 @pytest.mark.parametrize("genus", [1, 3, pytest.param(5, marks=pytest.mark.slow)])

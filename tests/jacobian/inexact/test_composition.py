@@ -30,13 +30,13 @@ def sum_over(K):
 # --- genus 2: every distance ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("variant", "k"), CELLS)
 def test_floats_at_every_distance(variant, k):
     assert_accurate(sum_over(RR), rows(variant, k))
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("variant", "k"), CELLS)
 def test_sixty_digits_at_every_distance(variant, k):
     assert max(row.error(*sum_over(PRECISE)(row)) for row in rows(variant, k)[:5]) < 1e-54
@@ -149,6 +149,7 @@ def test_sums_equal_the_exact_ones(row, K):
     assert undecided <= (0.05 * len(pairs) if row.model == "moved" else 0)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("row", EXACT_ROWS, ids=str)
 def test_inverses_cancel(row, K):
@@ -229,6 +230,7 @@ def test_complex_curves_satisfy_the_group_law(rng):
 # --- split and inert models -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("model", ["split", "inert"])
 @pytest.mark.parametrize("with_h", [False, True])

@@ -49,6 +49,7 @@ def sums(f, first, second):
     return out
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("variant", dict.fromkeys(variant for variant, _ in CELLS))
 def test_at_every_distance(variant):
     table = [row for name, k in CELLS if name == variant for row in rows(name, k)[:15]]
@@ -61,7 +62,7 @@ def test_at_every_distance(variant):
     assert median(errors) < TYPICAL
 
 
-@pytest.mark.parametrize("curve", [QUINTIC, QUARTIC], ids=["quintic", "quartic"])
+@pytest.mark.parametrize("curve", [QUINTIC, pytest.param(QUARTIC, marks=pytest.mark.slow)], ids=["quintic", "quartic"])
 def test_special_cases_on_rational_points(curve):
     """Branch points, doubles, common and opposite points, compared with the general formula in 60 digits."""
     K = MP(60)

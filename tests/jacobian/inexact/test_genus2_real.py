@@ -24,6 +24,7 @@ def kernel(row):
     return total[:2], total[2:]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("variant", "k"), CELLS)
 def test_floats_at_every_distance(variant, k):
     assert_accurate(kernel, rows(variant, k))
@@ -61,7 +62,7 @@ def oracle(K, f, first, second):
     ("curve", "K"),
     [
         pytest.param(QUINTIC, RR, id="float-quintic"),
-        pytest.param(QUARTIC, RR, id="float-quartic"),
+        pytest.param(QUARTIC, RR, id="float-quartic", marks=pytest.mark.slow),
         pytest.param(QUINTIC, MP(30), id="mpf-quintic", marks=pytest.mark.slow),
         pytest.param(QUARTIC, MP(30), id="mpf-quartic"),
     ],

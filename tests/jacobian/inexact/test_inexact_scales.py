@@ -69,6 +69,7 @@ def test_a_near_point_and_a_far_one():
     assert D.u == (1.5e8, -1.5 - 1e8, 1)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("K", "genus", "size"),
     [(RR, 2, 1e8), (RR, 3, 1e4), (RR, 4, 1e3), (RR, 4, 1e30), (RR, 6, 1e20), (CC, 3, 1e5), (MP(30), 3, 1e10)],
@@ -103,6 +104,7 @@ def scaled(K, f, x, y):
     return [K.shift(c, 2 * y - x * i) for i, c in enumerate(f)]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("genus", [2, 3, 4, 5, 6])
 def test_powers_of_two_change_no_bit(genus, K):
@@ -145,6 +147,7 @@ def test_other_factors_to_rounding(genus):
 # --- against exact sums ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("genus", [2, 3, 4, 5, 6])
 def test_exact_sums_of_rational_points(genus, K):

@@ -34,6 +34,7 @@ def random_curve(K, genus, model, rng):
             return C
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("name", "genus", "model"), CASES)
 def test_the_reduced_divisors_are_the_group(name, genus, model):
     rng = Random(f"{name} {genus} {model}")
@@ -90,6 +91,7 @@ UNIFORM = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "genus", "model"), UNIFORM)
 def test_random_is_uniform(name, genus, model, rng):
     C = random_curve(SMALL[name], genus, model, Random(f"uniform {name}"))

@@ -48,6 +48,7 @@ def test_identity_and_inverse(row):
         assert bool(D) == (J.zero() != D)
 
 
+@pytest.mark.thinned(5)
 @table
 def test_commutativity_and_doubling(row):
     for D in row.pool:
@@ -95,6 +96,7 @@ def test_order_annihilates(row):
     assert all(not order * D for D in row.pool)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "row", [every(row) for row in ROWS if row.field in ("GF(101)", "GF(3^5)", "GF(2^8)") and row.genus <= 2]
 )
@@ -110,7 +112,7 @@ def test_order_annihilates_over_larger_fields(row, rng):
 coefficients = st.lists(st.tuples(st.integers(0, 5), st.integers(-9, 9)), max_size=4)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(row=st.sampled_from([row for row in ROWS if row.K != QQ]), terms=coefficients, others=coefficients)
 def test_linear_combinations_do_not_depend_on_the_order(row: Row, terms, others):
     J = row.curve.jacobian()
@@ -125,7 +127,7 @@ def test_linear_combinations_do_not_depend_on_the_order(row: Row, terms, others)
     assert total(terms) - total(others) == total(terms + [(index, -m) for index, m in others])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     row=st.sampled_from([row for row in ROWS if row.K != QQ]),
     ms=st.lists(st.integers(-(10**12), 10**12), min_size=2, max_size=4),

@@ -7,13 +7,12 @@ import pytest
 from mpmath import mp
 
 from jacobian.inexact.genus2_real import add
-from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, TWIN_FLOATS, TWIN_WIDES, WIDES, CompileError
+from jacobian.native.kinds import FLOATS, INT, INTS, WIDES, CompileError
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import pack
 from jacobian.numbers.roots import negligible, root
-from jacobian.numbers.sums import plus_product
 
 
 def branches(xs, n, out, counts):
@@ -84,33 +83,9 @@ def sums(f, points, steps, out):
         out[k], out[k + 1], out[k + 2], out[k + 3] = u0, u1, v0, v1
 
 
-def recurrence(xs, ys, factor, count, out):
-    """Sums, products, quotients and roots of items of one number or of two."""
-    total, terms = 0 * xs[0], 1 - xs[0]
-    for i in range(count):
-        total = plus_product(total, xs[i], ys[i])
-        terms = terms * xs[i] / (i + 2) + factor * root(ys[i]) - 3 / xs[i]
-        ys[i] = max(terms * float(ys[i]), abs(-xs[i]))
-    out[0], out[1], out[2] = total + 0, terms, 0 * terms + twice(ys, count - 1)
-
-
-def twice(row, i):
-    return row[i] + row[i] if i > 2 else 2 * row[i]
-
-
-def forks(xs, out):
-    """Conditions that differ between the numbers of an item cannot be compiled."""
-    if xs[0] > 0:
-        out[0] = 1.0
-
-
 LOOPS = Library(
     "test_abreast",
     {
-        "floats": (recurrence, (FLOATS, FLOATS, FLOAT, INT, FLOATS)),
-        "twin_floats": (recurrence, (TWIN_FLOATS, TWIN_FLOATS, FLOAT, INT, TWIN_FLOATS)),
-        "wides": (recurrence, (WIDES, WIDES, FLOAT, INT, WIDES)),
-        "twin_wides": (recurrence, (TWIN_WIDES, TWIN_WIDES, FLOAT, INT, TWIN_WIDES)),
         "branches": (branches, (FLOATS, INT, FLOATS, INTS)),
         "wide_branches": (wide_branches, (WIDES, INT, WIDES)),
         "sums": (sums, (WIDES, WIDES, WIDES, WIDES)),
@@ -131,27 +106,6 @@ def test_branches_of_some_lanes(count, n):
     # iterations before n are not touched
     assert found[0].tolist() == pytest.approx(out.tolist(), rel=1e-15)
     assert found[1].tolist() == counts.tolist()
-
-
-@pytest.mark.parametrize("kind", ["floats", "wides"])
-def test_items_of_two_numbers(kind):
-    """Bit for bit the results of the single numbers."""
-    rng, count, parts = np.random.default_rng(3), 7, 1 if kind == "floats" else 2
-    # indices of number, item and part
-    xs, ys = rng.uniform(0.5, 2, (2, 2, count, parts)) * [1, 2.0**-55][:parts]
-    both = [np.ascontiguousarray(np.moveaxis(rows, 0, -1)).reshape(count, 2 * parts) for rows in (xs, ys)]
-    out, single = np.zeros((3, 2 * parts)), np.zeros((2, 3, parts))
-    getattr(LOOPS, f"twin_{kind}")(*both, 1.5, count, out)
-    for k in range(2):
-        row = [x.reshape(-1) if parts == 1 else x.copy() for x in (xs[k], ys[k], single[k])]
-        getattr(LOOPS, kind)(*row[:2], 1.5, count, row[2])
-        assert np.array_equal(row[2].reshape(3, parts), out.reshape(3, parts, 2)[..., k])
-        assert np.array_equal(row[1].reshape(count, parts), both[1].reshape(count, parts, 2)[..., k])
-
-
-def test_items_of_two_numbers_have_one_way():
-    with pytest.raises(CompileError, match="condition on numbers of an item of two"):
-        Library("test_forks", {"forks": (forks, (TWIN_FLOATS, FLOATS))}, SPECIAL).forks(np.ones((1, 2)), np.ones(1))
 
 
 def exactly(numbers):

@@ -9,7 +9,6 @@ import pytest
 
 from jacobian.native.kinds import (
     COMPLEX,
-    COMPLEXES,
     FLOAT,
     INT,
     INTS,
@@ -111,6 +110,7 @@ def _library(kind, inlined_but):
 
 
 CLASSES = [(kind, _library(kind, but)) for kind in (Modulo, Twice) for but in (None, (), (again,))]
+COMPLEXES = ArrayKind(COMPLEX, parts=2)
 WORDS = {stored: ArrayKind(INT, stored=stored) for stored in ("int32", "uint16", "int8")}
 LOOPS = Library(
     "test_contexts",

@@ -54,7 +54,7 @@ LIBRARIES = {
 PRODUCT = Library("test_binary_product", {"product": (product_of_words, (LONG, LONG))}, PORTABLE)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("modulus", MODULI, ids=hex)
 @settings(max_examples=40, deadline=None)
 @given(elements=st.tuples(*[ELEMENT] * 4))

@@ -27,6 +27,7 @@ def cyclic(a, b):
     return found
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("p", [10007, 2**31 - 1, 10**12 + 39, 2**49 - 81])
 @pytest.mark.parametrize("length", [1 << 10, 1 << 11, 1 << 12, 1 << 17])
 @pytest.mark.parametrize("extreme", [False, True])

@@ -46,6 +46,7 @@ COMPILED = Library(
 )
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("p", PRIMES)
 @settings(max_examples=80, deadline=None)
 @given(elements=ELEMENTS)

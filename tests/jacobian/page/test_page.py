@@ -27,7 +27,7 @@ MORE = {
 }
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("label", most_are_slow(ROWS))
 def test_the_whole_page_of_a_published_curve(label):
     row, C = ROWS[label], curve(ROWS[label])
@@ -79,7 +79,11 @@ def test_most_days_have_a_curve_of_each_kind():
     ("f", "names"),
     [
         ([0, -1, 0, 1], ("torsion", "real period", "endomorphisms over ℂ", "Sato–Tate group")),
-        ([1, 0, 0, 0, 0, 0, 0, 1], ("torsion", "real period", "L-polynomials", "endomorphisms over ℂ")),
+        pytest.param(
+            [1, 0, 0, 0, 0, 0, 0, 1],
+            ("torsion", "real period", "L-polynomials", "endomorphisms over ℂ"),
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             [1, -1, 0, 0, 0, 0, 0, 0, 0, 1],
             ("torsion", "real period", "automorphisms over QQ"),

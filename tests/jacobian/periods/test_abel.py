@@ -161,7 +161,7 @@ def _random_map(K, genus, degree, with_h):
     return AbelMap(C), rng
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize(("K", "genus", "degree", "with_h"), list(_table()))
 def test_the_map_and_its_inverse(K, genus, degree, with_h):
     A, rng = _random_map(K, genus, degree, with_h)
@@ -186,6 +186,7 @@ def test_the_map_and_its_inverse(K, genus, degree, with_h):
         _whole(A.periods.coordinates([x + y for x, y in zip(z, A(-D), strict=True)]), 1e6 * K.eps)
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("K", "genus", "degree", "with_h"), [row for row in _table() if row[0] in (CC, MP(30))])
 def test_abels_theorem(K, genus, degree, with_h):
     """The zeros of y − p(x), deg p ≤ g, add up to zero: only roots of a polynomial are used, no group law."""

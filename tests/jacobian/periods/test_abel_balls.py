@@ -70,6 +70,7 @@ def test_the_inverse_contains_the_divisor(name):
                 assert abs(c - exact) < 1e-15 * (1 + abs(exact))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("g", "kind"), [(2, "small"), (2, "complex"), (2, "cluster"), (3, "small"), (3, "complex")])
 def test_random_images_have_divisors_with_those_images(g, kind):
     rng = Random(f"inverse {g} {kind}")

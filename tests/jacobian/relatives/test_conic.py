@@ -41,6 +41,7 @@ def _plane_point(R, x0, rng):
     return None
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("row", EXACT, ids=str)
 def test_a_step_keeps_the_class_and_adds_in_the_generalized_jacobian(row):
     C, K, rng = row.curve, row.K, Random(f"conic {row}")

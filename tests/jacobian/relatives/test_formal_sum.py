@@ -104,7 +104,7 @@ def test_multiplicities_are_orders_of_power_series(name):
     assert min(orders[0], orders[1], orders[2]) > 1
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize("row", TABLE, ids=str)
 def test_the_divisor_of_a_product(row):
     """div(FG) = div F + div G, also at infinity; div F is principal, and the divisor of the conjugate is its mirror
@@ -124,6 +124,7 @@ def test_the_divisor_of_a_product(row):
             assert (2 * first - second).is_principal()
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", TABLE, ids=str)
 def test_formal_sums_are_a_group_above_the_jacobian(row):
     """Classes of every shape: single points, 2-torsion, opposite and common points, doubling, points at infinity."""
@@ -145,6 +146,7 @@ def test_formal_sums_are_a_group_above_the_jacobian(row):
         assert J.zero() == (A - A).divisor()
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", TABLE, ids=str)
 def test_abel_s_polynomial_and_the_intersection_divisor(row):
     """D + E + rest ~ 0 by the function fibres·(y − P), for classes of every shape."""

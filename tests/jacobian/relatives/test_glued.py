@@ -122,6 +122,7 @@ def test_rational_classes():
     assert checked > 50
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", INEXACT.values(), ids=INEXACT)
 def test_inexact_sums_equal_exact_ones(K):
     J = GeneralizedJacobian(HyperellipticCurve(K, QUARTIC.f))
@@ -147,6 +148,7 @@ def test_inexact_sums_equal_exact_ones(K):
     assert compared > 100
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("K", [QQ, *INEXACT.values()], ids=["QQ", *INEXACT])
 def test_inverses_cancel(K):
     J = GeneralizedJacobian(HyperellipticCurve(K, QUARTIC.f))

@@ -23,6 +23,7 @@ PUBLISHED = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_published_groups(name):
     f, h, invariants = PUBLISHED[name]
@@ -35,6 +36,7 @@ def test_published_groups(name):
     assert len(set(torsion.found.elements())) == torsion.found.order
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("case", of_kind("torsion"))
 def test_groups_that_the_lmfdb_has(case):
     """The models of its pages, whose groups include 16, 18, 22, 27, 29, 2 × 12, 2 × 14, 2 × 2 × 4."""
@@ -103,7 +105,7 @@ FAR_FROM_POINTS = [
 ]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("f", "h", "invariants"), FAR_FROM_POINTS)
 def test_groups_far_from_small_points(f, h, invariants):
     torsion = HyperellipticCurve(QQ, f, h).jacobian().rational_torsion(height=1)

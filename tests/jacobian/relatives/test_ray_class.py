@@ -37,7 +37,7 @@ def _element(G, row, rng):
     return G.lift(rng.choice(row.pool)) + G.from_fibre(*C.unit) if rng.random() < 0.6 else C
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize("row", [row for row in TABLE if row.K.order < 1000 or row.genus <= 3], ids=str)
 def test_axioms(row):
     rng = Random(f"ray {row}")
@@ -73,6 +73,7 @@ def test_the_order_annihilates(row):
         assert not G.fibre.order() * K
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("f", [f for fs in TINY.values() for f in fs], ids=str)
 @pytest.mark.parametrize("x0", [None, 0, 1, 2, 3, 4])
 def test_small_groups_listed(f, x0):
@@ -113,6 +114,7 @@ def _function(C, rng, degree):
             return (a, b), norm
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("row", [row for row in TABLE if row.field in ("GF(101)", "GF(2^61-1)", "GF(2^8)")], ids=str)
 def test_the_definition(row):
     """div(a + by) is the class of 1/(a + by) in the kernel: it is zero exactly if the function is constant on the
