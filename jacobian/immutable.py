@@ -151,7 +151,7 @@ else:
         def __get__(self, instance: Any, owner: Any = None) -> Any:
             if instance is None:
                 return self
-            found = vars(instance)[self.attrname] = self.func(instance)
+            found = instance.__dict__[self.attrname] = self.func(instance)
             return found
 
 

@@ -42,7 +42,6 @@ class AxialSystem(SurfaceSystem):
     """Base class of Lagrange's top and the spherical pendulum."""
 
     size = 3
-    constants = ()
     complex_data = True
 
     def _axis(self, N: FormulaField, state: Point) -> Axis:

@@ -27,6 +27,7 @@ from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
+from jacobian.immutable import at_once
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
@@ -43,6 +44,7 @@ class Ellipsoid(SurfaceSystem):
 
     _constraint_names = ("Σq_i²/a_i = 1", "Σq_i p_i/a_i = 0", "p ≠ 0")
 
+    @at_once
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
         if not field.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):

@@ -19,6 +19,7 @@ from jacobian import RR
 from jacobian.element import FormulaField, Value
 from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field
+from jacobian.immutable import at_once
 
 
 class Garnier(QuadricSystem):
@@ -29,9 +30,10 @@ class Garnier(QuadricSystem):
     The squared frequencies of small oscillations about q = 0 are −αa_i − β.
     """
 
+    @at_once
     def __init__(self, a: Iterable[Value], alpha: Value = 1, beta: Value = 0, field: Field = RR) -> None:
         self._set_up(field, a, "a", 1)
-        self.parameters = (self.field.coerce(alpha, "alpha"), self.field.coerce(beta, "beta"))
+        vars(self)["parameters"] = field.coerce(alpha, "alpha"), field.coerce(beta, "beta")
         if self.parameters[0] == self.field.zero:
             raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
 

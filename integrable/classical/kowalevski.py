@@ -33,7 +33,6 @@ class KowalevskiTop(SurfaceSystem):
     """Kowalevski's top; a state has q = γ, the vertical, and p = ω, the angular velocity, both in the body frame."""
 
     size = 3
-    constants = ()
     _constraint_names = ("|γ| = 1",)
 
     def __init__(self, field: Field = RR) -> None:

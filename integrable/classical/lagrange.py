@@ -18,6 +18,7 @@ from integrable.phase.body import Vector
 from jacobian import RR
 from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field, check_field
+from jacobian.immutable import at_once
 
 
 class LagrangeTop(AxialSystem):
@@ -29,9 +30,9 @@ class LagrangeTop(AxialSystem):
     flow_type = AxialFlow
     _constraint_names = ("|γ| = 1",)
 
+    @at_once
     def __init__(self, j: Value = 1, field: Field = RR) -> None:
-        self.field = check_field(field, "field")
-        self.parameters = (self.field.coerce(j, "j"),)
+        vars(self).update(field=check_field(field, "field"), parameters=(field.coerce(j, "j"),))
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         (x, y, z), (a, b, c) = state

@@ -22,6 +22,7 @@ from integrable.mumford.system import IntegralsByName, uhlenbeck
 from jacobian import RR
 from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field
+from jacobian.immutable import at_once
 
 
 class Neumann(SurfaceSystem, QuadricSystem):
@@ -32,9 +33,13 @@ class Neumann(SurfaceSystem, QuadricSystem):
     time step is about 1/√−λ.
     """
 
+    _largest: int
+
+    @at_once
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:
         self._set_up(field, a, "a", 2)
-        self._largest = 0 if field.exact else self.constants.index(max(self.constants, key=attrgetter("real")))
+        largest = 0 if field.exact else self.constants.index(max(self.constants, key=attrgetter("real")))
+        vars(self)["_largest"] = largest
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         return Shape((), (), (-N.one,))
@@ -64,7 +69,7 @@ class Neumann(SurfaceSystem, QuadricSystem):
 
     @property
     def _alike(self) -> tuple[object, ...]:
-        return *super()._alike, self._largest
+        return type(self), self.size, self._largest
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """Uhlenbeck's F_i = q_i² + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), ΣF_i = 1, and H = ½|p|² + ½Σa_i q_i²."""

@@ -17,6 +17,7 @@ from integrable.mumford.system import IntegralsByName
 from jacobian import RR
 from jacobian.element import FormulaField, Real
 from jacobian.fields.protocol import Field, check_field
+from jacobian.immutable import at_once
 
 
 class SphericalPendulum(AxialSystem):
@@ -24,8 +25,9 @@ class SphericalPendulum(AxialSystem):
 
     flow_type = AxialFlow
 
+    @at_once
     def __init__(self, field: Field = RR) -> None:
-        self.field = check_field(field, "field")
+        vars(self)["field"] = check_field(field, "field")
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         # because of the division by |q|², which is 1 at a state, an integrator does not drift off the sphere by

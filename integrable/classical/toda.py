@@ -23,6 +23,7 @@ from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import one_of, whole
 from jacobian.fields.protocol import Field, check_field
+from jacobian.immutable import at_once
 from jacobian.relatives.extended import Extended
 
 
@@ -32,10 +33,10 @@ class TodaLattice(MumfordSystem):
     Over an exact field, which has no exponentials, the q of a state are e^{q_k}.
     """
 
+    @at_once
     def __init__(self, n: SupportsIndex, field: Field = RR) -> None:
-        self.field = check_field(field, "field")
-        self.size = whole(n, "n", "the number of particles is an int ≥ 2", 2)
-        self.constants = ()
+        wanted = "the number of particles is an int ≥ 2"
+        vars(self).update(field=check_field(field, "field"), size=whole(n, "n", wanted, 2))
 
     @property
     def arguments(self) -> dict[str, object]:

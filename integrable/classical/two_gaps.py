@@ -41,7 +41,6 @@ class TwoGaps(MumfordSystem):
     """
 
     size = 2
-    constants = ()
 
     def __init__(self, sums: Iterable[Value], field: Field = RR) -> None:
         self.field = check_field(field, "field")

@@ -48,7 +48,6 @@ class Deformation(Hamiltonian):
         The method is :meth:`flow` if available, otherwise integration of the equations of motion
         (:class:`integrable.deformations.integrated.IntegratedMotion`). ``.method`` names the method.
         """
-        state = self._checked(state)
         if self.separates or self.repels:
             try:
                 return self.flow(state)
@@ -57,7 +56,7 @@ class Deformation(Hamiltonian):
                 pass
         from integrable.deformations.integrated import IntegratedMotion
 
-        return IntegratedMotion(self, state)
+        return IntegratedMotion(self, self._checked(state))
 
     def divisor(self, state: State) -> TwoPoints:
         """The divisor of a state: two points, one on each elliptic curve (:mod:`integrable.deformations.two_curves`).

@@ -19,6 +19,7 @@ from integrable.phase.ways import Way
 from integrable.portrait.sensitivity import Sensitivity
 from jacobian import RR
 from jacobian.errors import Infeasible, PrecisionLoss
+from jacobian.immutable import at_once
 from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
@@ -43,6 +44,7 @@ class DeformedFlow(HamiltonianMotion):
     _cost = BY_THETA
     """The cost of states that are computed on the curves."""
 
+    @at_once
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         if not self._is_ordinary():
@@ -86,7 +88,8 @@ class DeformedFlow(HamiltonianMotion):
             return None
 
     def _ways(self) -> Iterator[Way]:
-        if self.system.field == RR and not interpreted():
+        if self.system.field == RR:
             yield NearWalk(self, self._cost)
-            yield self._compiled
+            if not interpreted():
+                yield self._compiled
         yield self._curves

@@ -90,10 +90,7 @@ class NearWalk(Integration):
             near = kind.finished(near, *given, times, most)
         if near.lacks(len(times)):
             return None
-        states = near.states
-        if near.places is not None:
-            states = np.empty_like(near.states)
-            states[near.places] = near.states
+        states = near.states if near.places is None else near.states[np.argsort(near.places)]
         flat = states.reshape(len(times), 9 if rolls else 6)
         return (flat[:, :6].copy(), flat[:, 6].copy()) if rolls else (flat, times)
 

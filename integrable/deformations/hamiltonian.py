@@ -9,12 +9,11 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
 from integrable.deformations.scalars import Potential, RateTerms, Scalars, dot, product
-from integrable.phase.body import Body, Vector, unwarned
+from integrable.phase.body import Body, Vector, finite_floats
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.state import State, check_state
@@ -28,7 +27,19 @@ from jacobian.immutable import quick_property, replaced
 if TYPE_CHECKING:
     import numpy as np
 
-    from jacobian import Field
+
+class _Finite:
+    """A context that turns a division by a vanishing γ_i, s or 1 − ds into NotRepresentable."""
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        # numpy's division by 0 is a FloatingPointError
+        if isinstance(error, (ZeroDivisionError, FloatingPointError)):
+            raise NotRepresentable(
+                "the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes"
+            ) from None
 
 
 class DeformedIntegrals(NamedTuple, Generic[Element]):
@@ -64,11 +75,9 @@ class Hamiltonian(Made):
     """The names of further constants."""
 
     def _build(self, inertia: Iterable[Value], d: Value, potential: Sequence[Value] | None, field: Field = RR) -> None:
-        # the moments are parameters of a Hamiltonian, and need not be moments of a ball
-        with unwarned():
-            rigid = ChaplyginBall(inertia, d, field=field)
+        body = Body.make(inertia, d, field)
         terms = None if potential is None else _potential(field, potential)
-        vars(self).update(rigid=rigid, body=rigid.body, field=field, potential=terms)
+        vars(self).update(rigid=ChaplyginBall._of(body), body=body, field=field, potential=terms)
 
     @property
     def a(self) -> Vector:
@@ -87,9 +96,8 @@ class Hamiltonian(Made):
 
     def over(self, field: Field) -> Self:
         """The same Hamiltonian over another field, to which its numbers are converted."""
-        with unwarned():
-            rigid = ChaplyginBall(self.body.inertia, self.d, field=field)
-        return self._with(rigid, [field.coerce(x) for x in self.constants[4:]])
+        body = Body.make(self.body.inertia, self.d, field)
+        return self._with(body, [field.coerce(x) for x in self.constants[4:]])
 
     @quick_property
     def constants(self) -> tuple[Any, ...]:
@@ -101,14 +109,14 @@ class Hamiltonian(Made):
     def _of_constants(self, field: Field, values: Sequence[Any]) -> Self:
         """The system of the same kind with the :attr:`constants` ``values``, unchecked elements of ``field``."""
         x, y, z, d, *rest = values
-        return self._with(replaced(self.rigid, body=Body((x, y, z), d, field)), rest)
+        return self._with(Body((x, y, z), d, field), rest)
 
-    def _with(self, rigid: ChaplyginBall, rest: Sequence[Real]) -> Self:
+    def _with(self, body: Body, rest: Sequence[Real]) -> Self:
         potential = self.potential
         if potential is not None:
             a, b, x, y, z, *rest = rest
             potential = Potential(a, b, (x, y, z))
-        further, body = dict(zip(self.further, rest, strict=True)), rigid.body
+        further, rigid = dict(zip(self.further, rest, strict=True)), ChaplyginBall._of(body)
         return replaced(self, rigid=rigid, body=body, field=body.field, potential=potential, **further)
 
     def poisson(self, state: State) -> tuple[tuple[Real, ...], ...]:
@@ -120,26 +128,29 @@ class Hamiltonian(Made):
         K, (gamma, M) = self.field, self._checked(state).vectors
         return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self.pair_at(state))
 
-    def pair_at(self, state: State[Element]) -> tuple[Element, Element]:
+    def pair_at(self, state: State) -> tuple[Any, Any]:
         """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
-        wrap, (gamma, M) = self._constants(), state.vectors
-        with _finite():
+        gamma, M = state.vectors
+        with _Finite():
+            if not self.field.exact:
+                return self.pair(Scalars(self.body.a, self.body.d, gamma, M), self.potential)
+            wrap = self._constants()
             energy, second = self.pair(self.scalars(wrap, map(wrap, gamma), map(wrap, M)), self._terms(wrap))
-        return (energy.value, second.value) if self.field.exact else (energy, second)
+        return energy.value, second.value
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
         """The :meth:`integrals` of N real states, each of shape (N,); γ and M have the shape (N, 3)."""
         import numpy as np
 
         q = self.scalars(self._constants(), gamma.T, M.T)
-        with _finite(), np.errstate(divide="raise"):
+        with _Finite(), np.errstate(divide="raise"):
             return DeformedIntegrals(dot(q.gamma, q.gamma), dot(q.gamma, q.M), *self.pair(q, self._terms(lambda x: x)))
 
     def _omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """Ω = ½∂H/∂M, for which γ̇ = γ × Ω, at N real states; shape (N, 3)."""
         import numpy as np
 
-        with _finite(), np.errstate(divide="raise"):
+        with _Finite(), np.errstate(divide="raise"):
             return np.stack(self.omega_at(self.scalars(self._constants(), gamma.T, M.T)), axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
@@ -245,7 +256,7 @@ class Hamiltonian(Made):
         terms = self._terms(jets.constant)
         assert terms is not None
         q = self.scalars(jets.constant, jets.variables(state.vectors[0]), (zero, zero, zero))
-        with _finite():
+        with _Finite():
             return jets.coerce(self.potential_energy(q, terms)).slopes
 
     @property
@@ -257,19 +268,9 @@ class Hamiltonian(Made):
         )
 
 
-@contextmanager
-def _finite() -> Iterator[None]:
-    """Turns a division by a vanishing γ_i, s or 1 − ds in the block into NotRepresentable."""
-    try:
-        yield
-    # numpy's division by 0 is a FloatingPointError
-    except (ZeroDivisionError, FloatingPointError):
-        raise NotRepresentable(
-            "the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes"
-        ) from None
-
-
 def _potential(field: Field, values: Sequence[Value]) -> Potential:
+    if field is RR and finite_floats(values) and len(values) == 5:
+        return Potential(*values[:2], values[2:])
     given = list(values) if isinstance(values, (list, tuple)) else []
     if len(given) != 5:
         raise ArgumentError(f"potential = {shown(values)}: give five numbers (a, b, b_1, b_2, b_3)")

@@ -26,6 +26,7 @@ from integrable.series.tape import recorded
 from jacobian import MP
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.immutable import at_once
 
 __all__ = ["IntegratedMotion"]
 
@@ -51,6 +52,7 @@ class IntegratedMotion(HamiltonianMotion):
 
     method = "integrated"
 
+    @at_once
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         # this raises ArgumentError for fields other than RR or MP(digits)

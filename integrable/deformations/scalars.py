@@ -48,9 +48,8 @@ class Scalars:
     # (ω, M)
     H1 = quick_property(lambda q: q.m1 + q.d * q.G * q.xi * q.xi)
 
-    def axes(self) -> list[tuple[Real, Real, Real, Real]]:
-        """(a_i, a_j, a_k, γ_i²) for each axis."""
-        return [(self.a[i], self.a[i - 2], self.a[i - 1], self.squares[i]) for i in range(3)]
+    # (a_i, a_j, a_k, γ_i²) for each axis
+    axes = quick_property(lambda q: [(q.a[i], q.a[i - 2], q.a[i - 1], q.squares[i]) for i in range(3)])
 
 
 class RateTerms(NamedTuple):
@@ -95,21 +94,24 @@ class Potential(NamedTuple):
 
 def poles(q: Scalars, potential: Potential, term: Callable[[Real, Real, Real], Real]) -> Real:
     """Σ b_i·term(a_i, a_j, a_k)/γ_i² over the axes with b_i ≠ 0."""
-    total = 0 * q.s
-    for b, (a, a2, a3, square) in zip(potential.poles, q.axes(), strict=True):
-        if b != 0 * potential.a:
+    total, nothing = 0 * q.s, 0 * potential.a
+    for b, (a, a2, a3, square) in zip(potential.poles, q.axes, strict=True):
+        if b != nothing:
             total = total + b * term(a, a2, a3) / square
     return total
 
 
 def dot(x: Sequence[Real], y: Sequence[Real]) -> Real:
-    """Σ x_i y_i."""
-    return sum(a * b for a, b in zip(x, y, strict=True))
+    """Σ x_i y_i, for three components."""
+    (x1, x2, x3), (y1, y2, y3) = x, y
+    # it begins with 0, as sum() does: recorded formulas keep their constants in this order
+    return 0 + x1 * y1 + x2 * y2 + x3 * y3
 
 
 def componentwise(x: Sequence[Real], y: Sequence[Real]) -> tuple[Real, ...]:
-    """The vector of all x_i y_i."""
-    return tuple(a * b for a, b in zip(x, y, strict=True))
+    """The vector of all x_i y_i, for three components."""
+    (x1, x2, x3), (y1, y2, y3) = x, y
+    return x1 * y1, x2 * y2, x3 * y3
 
 
 def product(x: Sequence[Real], y: Sequence[Real]) -> list[Real]:

@@ -10,7 +10,7 @@ from integrable.deformations.scalars import Potential, RateTerms, Scalars, poles
 from jacobian import RR
 from jacobian.element import Real, Value
 from jacobian.fields.protocol import Field
-from jacobian.immutable import at_once
+from jacobian.immutable import at_once, quick_property
 
 
 class Tilde(Deformation):
@@ -29,12 +29,12 @@ class Tilde(Deformation):
     ) -> None:
         self._build(inertia, d, potential, field)
 
-    @property
+    @quick_property
     def repels(self) -> bool:
         if self.potential is None or self.body.rolls or self.field.characteristic:
             return False
         zero = self.field.zero
-        return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
+        return self.potential.a == self.potential.b == zero and bool(min(self.potential.poles) > zero)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Real, Real]:
         square = q.xi * q.xi

@@ -62,8 +62,9 @@ class Motion(Immutable):
     method: ClassVar[str] = "divisor flow"
     """The name of the method, for tables."""
 
+    @at_once
     def __init__(self, system: Any, state: State) -> None:
-        self.system, self.state = system, state
+        vars(self).update(system=system, state=state)
 
     def at(self, times: Numbers, *, strict: bool = True) -> Trajectory:
         """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,).

@@ -18,7 +18,7 @@ from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Number, Numbers, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
-from jacobian.immutable import at_once, quick_property, read_only, replaced
+from jacobian.immutable import at_once, quick_property, replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
@@ -45,8 +45,8 @@ RIGHT = 1e-12
 # trying (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
-# the additional cost in genus 2 if t is not linear in τ, in microseconds (python -m benchmarks near)
-ON_CLOCK = Cost(350, 1)
+# the same if t is not linear in τ, which takes longer in genus 2
+ON_CLOCK = ON_TORUS | {2: Cost(750, 2)}
 # in genus ≥ 3 series with the finest steps are tried before a torus, up to this fraction of the cost of the torus
 SHARE_OF_FINEST = 1 / 3
 # in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
@@ -76,9 +76,10 @@ class Path(Run[Point[Any]]):
     @at_once
     def __init__(self, times: np.ndarray, rows: np.ndarray, way: str = ADDITIONS, estimate: float = ROUNDED) -> None:
         """``rows`` are q and p side by side, shape (N, 2n)."""
-        vars(self).update(
-            _times=read_only(times), _rows=read_only(rows), way=way, estimate=estimate, error=None, digits=None
-        )
+        # these arrays are never the user's own, so they can be set read-only
+        times.setflags(write=False)
+        rows.setflags(write=False)
+        vars(self).update(_times=times, _rows=rows, way=way, estimate=estimate, error=None, digits=None)
 
     def _state(self, row: int) -> Point:
         return Point(*map(tuple, self._rows[row].reshape(2, -1).tolist()))
@@ -150,44 +151,35 @@ class MumfordFlow(StateFlow[Path]):
         the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
-        return self._path(given, (self._by_additions,) if given.dtype == object else (self._near, *self._far))
+        return self._after(self._near(given), given)
 
-    @property
-    def _far(self) -> tuple[Callable[[np.ndarray], StatesReached | None], ...]:
-        """The methods for states in floats at times that are not near the start."""
-        return self._on_torus, self._by_additions
-
-    def _after(self, near: Near, given: np.ndarray) -> Path:
-        """The states at times in floats; ``near`` contains those of them that Taylor series reach."""
-        return self._path(given, (lambda times: self._completed(near, times), *self._far))
-
-    def _path(self, given: np.ndarray, ways: Iterable[Callable[[np.ndarray], StatesReached | None]]) -> Path:
-        found = filled(ways, given)
-        for array in given, found.states:
-            array.setflags(write=False)
-        rows = found.states.reshape(len(given), 2 * self.system.size)
-        return Path(given, rows, found.way, max(found.error, ROUNDED))
+    def _after(self, near: Near | None, given: np.ndarray) -> Path:
+        """The states at the given times; ``near`` contains those of them that Taylor series reach, if there are any."""
+        if near is not None and near.places is None:
+            way, states, error = SERIES, near.states, near.error
+        else:
+            ways = (lambda times: self._completed(near, times), self._on_torus, self._by_additions)
+            way, states, _, error = filled(ways, given)
+        return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
     def _budget(self, count: int) -> float:
         """The microseconds that the next method in floats takes for ``count`` times, its set-up included."""
         if self._of_a_torus:
-            clock = ON_CLOCK.of(count) if self.system.clocked and self._genus == 2 else 0
-            return ON_TORUS[min(self._genus, 3)].of(count) + clock
+            return (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
 
     def _cost_of_additions(self, count: int) -> float:
         return min(self._cost.of(count), LONGEST)
 
-    def _near(self, times: np.ndarray) -> StatesReached | None:
-        """The states at those times that Taylor series reach at a lower cost than the next method."""
-        kind = self.system._kind
-        if kind is None:
-            return None
-        near = kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
-        return self._completed(near, times)
+    def _near(self, times: np.ndarray) -> Near | None:
+        """The states at those times in floats that Taylor series reach at a lower cost than the next method."""
+        kind = None if times.dtype.hasobject else self.system._kind
+        return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
 
-    def _completed(self, near: Near, times: np.ndarray) -> StatesReached:
+    def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
         """The states in ``near``, and those that finer steps reach at a lower cost than the next method."""
+        if near is None:
+            return None
         kind, count = self.system._kind, len(times)
         if near.lacks(count) and self._genus > 2 and not near.exhausted:
             near = kind.finished(near, *self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
@@ -385,11 +377,6 @@ class MumfordFlow(StateFlow[Path]):
         return times
 
     @property
-    def _may_have_torus(self) -> bool:
-        """Whether a torus is tried; it needs compiled loops."""
-        return self._of_a_torus and self._in_floats
-
-    @property
     def _of_a_torus(self) -> bool:
         """Whether motions of this system have a torus in floats; in genus 1 only if t is linear in τ."""
         system = self.system
@@ -402,7 +389,7 @@ class MumfordFlow(StateFlow[Path]):
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
         """The torus of a motion, which returns states in floats; None if there is none or it is not confirmed."""
-        if not self._may_have_torus:
+        if not (self._of_a_torus and self._in_floats):
             return None
         try:
             torus = self._made_torus()
@@ -456,20 +443,15 @@ class MumfordFlow(StateFlow[Path]):
         """The states at times from a torus, shape (N, 2, n)."""
         import numpy as np
 
+        from integrable.mumford.columns import Column, Columns
+
         D = torus.at(times)
         if self._recorded is not None:
             states: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)
             return states
-        found = self._read_columns(times, D)
-        return np.stack([np.stack([x.hi for x in part], axis=1) for part in found], axis=1)
-
-    def _read_columns(self, times: np.ndarray, D: Extended) -> Point:
-        """The states of the pairs D at times, as columns."""
-        from integrable.mumford.columns import Column, Columns
-
         N = Columns()
-        columns: Point = self.system._back(N, self._inner(N), D, Column(times))
-        return columns
+        columns = self.system._back(N, self._inner(N), D, Column(times))
+        return np.stack([np.stack([x.hi for x in part], axis=1) for part in columns], axis=1)
 
     def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))

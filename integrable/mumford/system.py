@@ -9,14 +9,14 @@ jets without directions (:mod:`integrable.phase.jets`). Jets with directions giv
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Callable, Iterable, Sequence
 from inspect import signature
-from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeGuard, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar
 
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.motion import Start, settled_digits
+from integrable.phase.body import finite_floats
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
@@ -72,14 +72,14 @@ class MumfordSystem(Made):
     """
 
     field: Field
-    constants: tuple[Real, ...]
+    constants: tuple[Real, ...] = ()
     parameters: tuple[Real, ...] = ()
     size: int
 
     def _set_up(self, field: Field, values: Iterable[Value], argument: str, least: int) -> None:
         """Sets ``field`` and ``constants``; the constants must be at least ``least`` different numbers."""
         wanted = f"a sequence of at least {least} different numbers"
-        if field is RR and _finite_floats(values):
+        if field is RR and finite_floats(values):
             constants, different = values, len(set(values)) == len(values)
         else:
             check_field(field, "field")
@@ -232,9 +232,8 @@ class MumfordSystem(Made):
         inside = inside or self._inside(N, state)
         # an infinite value violates the constraint
         values = self._formula(self._constraints, state, inside, finite=False)
-        right = list(values) == [N.zero] * len(values)
-        sizes = [None] * len(values) if N.exact or right else self._constraint_sizes(inside)
-        for name, value, size in () if right else zip(self._constraint_names, values, sizes, strict=True):
+        sizes = [None] * len(values) if N.exact or not any(values) else self._constraint_sizes(inside)
+        for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
             if value != N.zero and (size is None or not abs(value) < OFF * N.eps * size):
                 raise ArgumentError(
                     f"q, p = {shown(tuple(state))} are no state: {name} is needed, "
@@ -516,19 +515,13 @@ class MumfordSystem(Made):
 
 def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int, wanted: str = "") -> tuple[Real, ...]:
     """The elements of ``values``, which must be ``count`` numbers; ``wanted`` describes them in an ArgumentError."""
-    if K is RR and _finite_floats(values) and len(values) == count:
+    if K is RR and finite_floats(values) and len(values) == count:
         return values
     wanted = wanted or f"a sequence of {count} numbers"
     given = entries(values, argument, wanted)
     if len(given) != count:
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
     return tuple(K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
-
-
-def _finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
-    """Whether ``values`` is a tuple of floats with a finite sum."""
-    # finite floats with an infinite sum are rejected here, and are then checked one by one
-    return type(values) is tuple and set(map(type, values)) == {float} and math.isfinite(sum(values))
 
 
 def _in_range(found: object) -> bool:

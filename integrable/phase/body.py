@@ -11,15 +11,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import cached_property
 from math import isfinite
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeGuard
 
 from jacobian import RR, poly
 from jacobian.element import Arithmetic, Element, FormulaField, Real, Value
 from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown, written
 from jacobian.fields.coercion import is_complex
 from jacobian.fields.protocol import Field, check_field
+from jacobian.immutable import quick_property
 
 Vector = tuple[Element, Element, Element]
 
@@ -75,21 +75,19 @@ class Body(Generic[Element]):
                 _check_moment(field, moment, offset, i)
         return Body(moments, offset, field)
 
-    @cached_property
+    @quick_property
     def a(self) -> Vector[Element]:
         """a_i = 1/(I_i + d)."""
-        K = self.field
-        a1, a2, a3 = (K.inv(K.add(moment, self.d)) for moment in self.inertia)
-        return a1, a2, a3
+        inv, add, (x, y, z), d = self.field.inv, self.field.add, self.inertia, self.d
+        return inv(add(x, d)), inv(add(y, d)), inv(add(z, d))
 
-    @cached_property
+    @quick_property
     def contact(self) -> Vector[Element]:
         """The numbers 1 − d·a_i, computed as I_i·a_i so that no digits cancel if I_i is small compared with d."""
-        K = self.field
-        r1, r2, r3 = (K.mul(moment, a) for moment, a in zip(self.inertia, self.a, strict=True))
-        return r1, r2, r3
+        mul, (x, y, z), (a1, a2, a3) = self.field.mul, self.inertia, self.a
+        return mul(x, a1), mul(y, a2), mul(z, a3)
 
-    @cached_property
+    @quick_property
     def differences(self) -> Vector[Element]:
         """The products (a_i − a_j)(a_i − a_k) for i = 1, 2, 3; zero if another axis has the same moment.
 
@@ -147,7 +145,7 @@ class Body(Generic[Element]):
 
 def check_body_field(field: Field[Element]) -> None:
     """Raises FieldError if ``field`` is complex: bodies are over real or exact fields."""
-    if is_complex(check_field(field, "field").zero):
+    if field is not REALS and is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
 
 
@@ -191,6 +189,12 @@ def energies(
     (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = contact, gamma, M
     weight = d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
     return energy(a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
+
+
+def finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
+    """Whether ``values`` is a tuple of floats with a finite sum."""
+    # finite floats with an infinite sum are rejected here, and are then checked one by one
+    return type(values) is tuple and {*map(type, values)} == {float} and isfinite(sum(values))
 
 
 def triple(field: Field, values: Any, argument: str) -> Vector:

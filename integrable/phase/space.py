@@ -72,7 +72,7 @@ class PhaseSpace(Made, Generic[Element]):
         ``g`` chooses the root of g² over an exact field with d ≠ 0. The default is the field's own root; NotASquare if
         it has none. ArgumentError names the argument, its value and the accepted values.
         """
-        K: Any = self.field
+        K: Any = self.body.field
         tilted = flag(tilted, "tilted")
         x: Vector = triple(K, gamma, "gamma")
         m: Vector = triple(K, M, "M")
@@ -94,7 +94,7 @@ class PhaseSpace(Made, Generic[Element]):
 
     def _root(self, gamma: Vector[Element], g: Element | Value | None) -> Element | None:
         """The root of g² that a state over this field stores: None over the reals and at d = 0."""
-        K = self.field
+        K = self.body.field
         if not (K.exact and self.body.rolls):
             if g is not None:
                 raise ArgumentError(

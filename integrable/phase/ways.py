@@ -8,7 +8,8 @@ Results do not depend on earlier calls.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple, Protocol, TypeVar
+from math import isfinite
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -108,17 +109,22 @@ def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: 
 def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
     """``values`` as a new one-dimensional array of finite numbers of RR or MP(digits)."""
     if field == RR:
-        found = values.copy() if type(values) is np.ndarray else _array_of(values)
-        # all() takes twice as long as counting, and a sum of squares could overflow, with a warning
-        if found.dtype == FLOATS and found.ndim == 1 and np.count_nonzero(np.isfinite(found)) == len(found):
-            return found
+        if type(values) is list and _finite_sum(values):
+            return np.array(values, dtype=FLOATS)
+        if type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1:
+            found = values.copy()
+            # all() takes twice as long as counting, and a sum of squares could overflow, with a warning
+            if np.count_nonzero(np.isfinite(found)) == len(found):
+                return found
     items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
     return np.array(items, dtype=FLOATS if field == RR else object)
 
 
-def _array_of(values: object) -> np.ndarray:
-    """A list as an array; an empty array of objects for other values, and for a list that NumPy rejects."""
+def _finite_sum(values: list[Any]) -> bool:
+    """Whether the sum of a list is a finite float. Then all of its values are finite real numbers."""
     try:
-        return np.array(values) if type(values) is list else np.empty(0, dtype=object)
-    except (ValueError, TypeError, OverflowError):
-        return np.empty(0, dtype=object)
+        # NumPy takes longer to find out the type of the values; it would also read strings as floats
+        total = sum(values)
+    except Exception:
+        return False
+    return isinstance(total, float) and isfinite(total)

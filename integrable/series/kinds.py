@@ -30,7 +30,7 @@ from integrable.series.steps import (
 )
 from integrable.series.symbols import SymbolField
 from integrable.series.tape import Tape, recorded, with_multiples
-from integrable.series.walk import COUNTS, RESULTS, WRONG, Bounds, Codes, Layout, Many, Outputs, Slots
+from integrable.series.walk import COUNTS, RESULTS, WRONG, Codes, Layout, Many, Outputs, Slots
 from integrable.series.walk_text import TIMES, module
 from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
@@ -45,6 +45,8 @@ LINE = 64
 
 
 Formula = Callable[[SymbolField, Sequence[Any]], Sequence[object]]
+Departure = tuple[Sequence[float], Sequence[float]]
+"""The constants and the start of a motion."""
 
 
 class Formulas(NamedTuple):
@@ -81,14 +83,6 @@ class Near(NamedTuple):
     def among(self, order: np.ndarray) -> Near:
         """The same states, at times with the indices ``order`` among more times."""
         return self._replace(places=order if self.places is None else order[self.places])
-
-
-class Departure(NamedTuple):
-    """The constants and the start of a motion, and the microseconds that each of its walks may take."""
-
-    constants: Sequence[float]
-    state: Sequence[float]
-    most: float
 
 
 class Kind:
@@ -141,7 +135,7 @@ class Kind:
 
         Where coarse steps miss the tolerance, states are computed again with steps accurate to the last bits of floats.
         """
-        return self._reached(Departure(constants, state, most), times, steps_for(tolerance))
+        return self._reached((constants, state), times, most, steps_for(tolerance))
 
     def finished(
         self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
@@ -150,24 +144,24 @@ class Kind:
         if near.places is None or not near.lacks(len(times)):
             return near
         left = np.setdiff1d(np.arange(len(times)), near.places)
-        more = self._reached(Departure(constants, state, most), times[left], (FINEST,))
+        more = self._reached((constants, state), times[left], most, (FINEST,))
         return self._joined([near, more.among(left)])
 
-    def _reached(self, given: Departure, times: np.ndarray, plan: Sequence[Steps]) -> Near:
+    def _reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
         """The states at times of either sign, in any order, that the steps of ``plan`` reach."""
         # times are mostly in the order of a walk
-        found = self._in_order(given, times, plan)
+        found = self._in_order(given, times, most, plan)
         if found is not None:
             return found
         parts = []
         for order in (np.flatnonzero(times >= 0), np.flatnonzero(times < 0)):
             order = order[np.argsort(np.abs(times[order]), kind="stable")]
-            part = self._in_order(given, times[order], plan) if len(order) else None
+            part = self._in_order(given, times[order], most, plan) if len(order) else None
             if part is not None:
                 parts.append(part.among(order))
         return self._joined(parts)
 
-    def _in_order(self, given: Departure, times: np.ndarray, plan: Sequence[Steps]) -> Near | None:
+    def _in_order(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
         """The states at times of one sign in ascending size; None for times in another order.
 
         Each tier of ``plan`` is tried at the times that the tiers before it have lost.
@@ -176,8 +170,8 @@ class Kind:
         for steps in plan:
             walk, tier = self.walk(steps.orders) if len(times) else None, 0
             while walk is not None and tier < len(steps.tiers):
-                most = given.most / walk.step_cost
-                found = walk(given.constants, given.state, times if left is None else times[left], steps, most, tier)
+                now = times if left is None else times[left]
+                found = walk(*given, now, steps, most / walk.step_cost, tier)
                 if found.reached < 0:
                     return None
                 if left is None and found.reached == len(times) and found.wrong is None:
@@ -211,15 +205,16 @@ KEPT_TIMES = 512
 from_buffer: Any = c_char.from_buffer
 
 
-class Working(NamedTuple):
+class Working:
     """The memory of a walk and its address, the binary format of its constants and state, and the position of its
-    marks.
+    marks. ``steps`` are those whose words the memory has; the words point to ``tiers``.
     """
 
-    memory: bytearray
-    base: int
-    numbers: struct.Struct
-    marks: int
+    steps: Steps | None = None
+    tiers: np.ndarray
+
+    def __init__(self, memory: bytearray, base: int, numbers: struct.Struct, marks: int) -> None:
+        self.memory, self.base, self.numbers, self.marks = memory, base, numbers, marks
 
 
 class Compiled:
@@ -238,7 +233,6 @@ class Compiled:
         self.layout = Layout(self.units, *sizes)
         self._layout_words = self.units.ctypes.data, len(self.units), *sizes
         self._walked = LIBRARY.walked.entry.call
-        self._shared: dict[tuple[Bounds, ...], tuple[bytes, np.ndarray]] = {}
         self._kept: list[Working] = []
 
     def __call__(
@@ -258,15 +252,17 @@ class Compiled:
             working = self._kept.pop() if count <= KEPT_TIMES else self._working(len(constants), count)
         except IndexError:
             working = self._working(len(constants), KEPT_TIMES)
-        memory, base, numbers, marks = working
-        shared, _ = self._shared.get(steps.tiers) or self._shared.setdefault(steps.tiers, self._shared_words(steps))
-        memory[: SHARED.size] = shared
-        numbers.pack_into(memory, RESULT + BACK.size, *constants, *state)
-        there, here = addressof(from_buffer(times)), addressof(from_buffer(found))
-        CALL.pack_into(memory, ASKED, there, count, here, found.size, tier, most)
-        self._walked(base)
+        memory = working.memory
+        if working.steps is not steps:
+            working.steps, working.tiers = steps, np.array(steps.tiers).reshape(-1)
+            words = *self.codes, working.tiers.ctypes.data, len(working.tiers), *self._layout_words
+            SHARED.pack_into(memory, 0, *words)
+        working.numbers.pack_into(memory, RESULT + BACK.size, *constants, *state)
+        there = addressof(from_buffer(times)), count, addressof(from_buffer(found)), found.size
+        CALL.pack_into(memory, ASKED, *there, tier, most)
+        self._walked(working.base)
         reached, wrong, lost, gap, done, tier = BACK.unpack_from(memory, RESULT)
-        off = np.frombuffer(memory, count=reached, offset=marks) == WRONG if wrong and reached else None
+        off = np.frombuffer(memory, count=reached, offset=working.marks) == WRONG if wrong and reached else None
         if count <= KEPT_TIMES:
             self._kept.append(working)
         return Reached(reached, found, off, lost, gap, done, tier)
@@ -301,8 +297,3 @@ class Compiled:
         walk = self.codes, np.array(steps.tiers).reshape(-1), self.layout
         LIBRARY.walked_abreast(*walk, many, room, outputs, at_work, results.reshape(-1))
         return ReachedByMany(results, found, marks == WRONG)
-
-    def _shared_words(self, steps: Steps) -> tuple[bytes, np.ndarray]:
-        """The words of calls with these steps, and the array of tiers to which they point."""
-        tiers = np.array(steps.tiers).reshape(-1)
-        return SHARED.pack(*self.codes, tiers.ctypes.data, len(tiers), *self._layout_words), tiers

@@ -44,6 +44,13 @@ class ChaplyginBall(System[Coordinate]):
         vars(self).update(radius=length, body=body)
 
     @classmethod
+    def _of(cls, body: Body[Coordinate]) -> ChaplyginBall[Coordinate]:
+        """The ball of a body, with no warning: its moments may be any parameters, as those of a Hamiltonian are."""
+        made = object.__new__(cls)
+        vars(made).update(radius=None, body=body)
+        return made
+
+    @classmethod
     def example(cls) -> tuple[ChaplyginBall[Coordinate], State[Coordinate]]:
         """A ball of moments (1, 2, 3) with d = 0.7, and a state of it: the scene ``chaplygin``.
 

@@ -41,6 +41,8 @@ class RealField(InexactField[float]):
 
     def _rounded(self, value: object, argument: str) -> float:
         try:
+            if type(value) is int:
+                return float(value)
             x = number(value, argument)
             if is_complex(x):
                 raise TypeError

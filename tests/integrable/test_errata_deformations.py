@@ -37,7 +37,7 @@ class Setting:
     def B(self):
         """(BM, M)."""
         q = self.q
-        return sum((a - b) * (a - c) * x * m * m for (a, b, c, x), m in zip(q.axes(), q.M, strict=True))
+        return sum((a - b) * (a - c) * x * m * m for (a, b, c, x), m in zip(q.axes, q.M, strict=True))
 
 
 @pytest.fixture(scope="module")

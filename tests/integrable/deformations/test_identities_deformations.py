@@ -52,7 +52,7 @@ def test_the_forms_of_the_tilde_pair(field, seed) -> None:
     """H̃ = 2H1 − ((A + sE)M, M) = ((A − sE + 2dGB)M, M), K̃ = Gξ²((E − dA − d²GB)M, M), at d ≠ 0; (γ, AM)² = (BM, M)."""
     system = SYSTEMS["tilde, d"](FIELDS[field]())
     state, q = scalars(system, seed)
-    B = sum((a - b) * (a - c) * x * m * m for (a, b, c, x), m in zip(q.axes(), q.M, strict=True))
+    B = sum((a - b) * (a - c) * x * m * m for (a, b, c, x), m in zip(q.axes, q.M, strict=True))
     _, _, H, K = system.integrals(state)
     assert q.xi**2 == B
     assert (2 * q.H1 - q.m1 - q.s * q.m2).value == H

@@ -51,9 +51,9 @@ def of_poles(jets):
     Σb_i/γ_i², ũ are the other roots of f − V²; λ_k = h1 − ũ_kh2 and ũ'² = φ(ũ)λ − 4Σb_ic_iΠ_{j≠i}(a_j − ũ).
     """
     q, b = jets.q, POLES
-    h1 = q.m1 + sum(x * (aj + ak - q.s) / y for x, (_, aj, ak, y) in zip(b, q.axes(), strict=True))
+    h1 = q.m1 + sum(x * (aj + ak - q.s) / y for x, (_, aj, ak, y) in zip(b, q.axes, strict=True))
     h2 = q.m2 + sum(x / y for x, y in zip(b, q.squares, strict=True))
-    c = [(aj - ai) * (ak - ai) for ai, aj, ak, _ in q.axes()]
+    c = [(aj - ai) * (ak - ai) for ai, aj, ak, _ in q.axes]
     one = jets.jets.one
     lines = [(a, -one) for a in q.a]
     pairs = [poly.mul(jets.jets, lines[i - 2], lines[i - 1]) for i in range(3)]
