@@ -62,9 +62,9 @@ def oracle(K, f, first, second):
     ("curve", "K"),
     [
         pytest.param(QUINTIC, RR, id="float-quintic"),
-        pytest.param(QUARTIC, RR, id="float-quartic", marks=pytest.mark.slow),
+        pytest.param(QUARTIC, RR, id="float-quartic"),
         pytest.param(QUINTIC, MP(30), id="mpf-quintic", marks=pytest.mark.slow),
-        pytest.param(QUARTIC, MP(30), id="mpf-quartic"),
+        pytest.param(QUARTIC, MP(30), id="mpf-quartic", marks=pytest.mark.slow),
     ],
 )
 def test_kernel_equals_the_general_formula(curve, K):
