@@ -35,7 +35,7 @@ from integrable.torus.clock import (
     resolved_spectrum,
     samples_of,
 )  # fmt: skip
-from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus
+from integrable.torus.lifts import AROUND, CHECKED, CLOSED, SMALLEST, Limits, RateSums, Torus
 from integrable.torus.loops import CompiledLoops, in_basis, shortest, theta_sums
 from integrable.torus.pair_loops import LIBRARY, PAIRS, PairTorus
 from integrable.torus.theta_series import half_turn, long_numbers
@@ -154,7 +154,8 @@ class ThetaTorus(FarTimes):
                 if lifts or not all_real(model.roots):
                     raise PrecisionLoss("lifts or complex branch points on a model of even degree")
                 self._pole, model = [model.roots[-1]], without_root(model)
-            model = opened(N, model, lifts)
+            before, model = model.roots, opened(N, model, lifts)
+            self._smallest = 0.0 if model.roots == before else SMALLEST
             if len(model.roots) != 5:
                 raise PrecisionLoss(f"{len(model.roots)} branch points, and five are needed")
             self._kinds, self._first, self._pace = start.kinds, start.data, Column.of(start.direction[0])
@@ -199,8 +200,9 @@ class ThetaTorus(FarTimes):
                 [found.roots[k] for k in places[:2]], self._pole)),
         )  # fmt: skip
         self._packed = Packed(self._torus, PAIRS)
+        limits = Limits(ENOUGH if found.inside else CLOSED, loops.nudge, self._smallest)
         room, target = loops.room(2 * (AROUND + 1) * CHECKED * len(places)), row(x for end in ends for x in end.target)
-        closure = loops.met(torus, tops, target, Limits(ENOUGH if found.inside else CLOSED, loops.nudge), room)
+        closure = loops.met(torus, tops, target, limits, room)
         LIBRARY.strayed(self._packed, room, gaps := np.empty(CHECKED))
         if not (closure <= CLOSED and gaps.max() <= ROUGHLY and np.sort(gaps)[-1 - AMPLIFIED] <= OBEYED):
             raise PrecisionLoss("the pairs on the torus of this motion are not its own")

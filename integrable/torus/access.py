@@ -56,7 +56,7 @@ class BodyTorus:
     def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
         # the data of the motion, in its own units of length and time
-        self.units, self._motion, self.tilt, start, self._problem = loops.begun(setup)
+        self.units, self._motion, self.tilt, start, self._problem, self._smallest = loops.begun(setup)
         found = loops.room(FOUND)
         m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)
         self.basis = (m1, n1), (m2, n2)
@@ -82,7 +82,7 @@ class BodyTorus:
         self._decay = shortest(loops.floats(shape[:3]).tolist())
         sums, scales = theta_sums(loops, shape, (0, 0, 0), chars)
         torus: Torus = loops.packed(Torus(sums, loops.room(2), loops.room(3)))
-        limits = Limits(loops.noise * 1e-10, loops.nudge)
+        limits = Limits(loops.noise * 1e-10, loops.nudge, self._smallest)
         self.closure = loops.placed(
             torus, self._motion, start, found, scales, rule_of_phases(), limits, loops.room(PLACING)
         )

@@ -35,7 +35,7 @@ KINDS: dict[type[tuple[object, ...]], TupleKind] = {
 """The compiled type of each NamedTuple of arrays."""
 
 
-_BODY, _RATE, _CLOCK, _LIMITS = KINDS[BodyStates], KINDS[RateSums], KINDS[Clock], record(Limits, FLOAT, FLOAT)
+_BODY, _RATE, _CLOCK, _LIMITS = KINDS[BodyStates], KINDS[RateSums], KINDS[Clock], record(Limits, FLOAT, FLOAT, FLOAT)
 _PANELS, _ROWS, _PHASES = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2), TupleKind((WIDES, FLOATS, FLOATS))
 LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, WIDES)),

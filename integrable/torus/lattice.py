@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
+from integrable.torus.lifts import SMALLEST
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 
@@ -134,7 +135,7 @@ class Beginning(NamedTuple):
     """The data from which a torus is made, as rows of the numbers with which its loops compute: a :func:`motion_row`
     and its ``units``, (α, β) of the tilt term of 1/g, the start in these units, and a
     :func:`~integrable.moving_point.problem.problem_row` in the set-up's units, of which only the entries from
-    TIME_SCALE on are needed.
+    TIME_SCALE on are needed. ``smallest``: see :class:`integrable.torus.lifts.Limits`.
     """
 
     units: Units
@@ -142,6 +143,7 @@ class Beginning(NamedTuple):
     tilt: Row
     start: Row
     problem: Row
+    smallest: float = 0.0
 
 
 def beginning(setup: Setup, loops: Any) -> Beginning:
@@ -152,7 +154,8 @@ def beginning(setup: Setup, loops: Any) -> Beginning:
         units = Units.of(problem)
         motion = row(motion_row(problem, setup, units))
         start, tilt = row(units.of_point(problem.start)), row((problem.axes[6], problem.axes[7] * units.time))
-    return Beginning(units, motion, tilt, start, row((0,) * TIME_SCALE + problem.row[TIME_SCALE:]))
+    smallest = 0.0 if problem == setup.bare else SMALLEST
+    return Beginning(units, motion, tilt, start, row((0,) * TIME_SCALE + problem.row[TIME_SCALE:]), smallest)
 
 
 def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, motion: Row) -> bool:

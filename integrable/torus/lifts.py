@@ -19,9 +19,9 @@ from jacobian.numbers.sums import joined, plus_product
 # Newton's method takes difference quotients between POINTS points, and at most MOST_STEPS steps; a step by more turns
 # than FARTHEST has no meaning
 POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
-# a torus is accepted if its lifts at the start differ from the given ones by at most CLOSED times the largest lift
-CLOSED = 1e-18
-# a lift at the start below this fraction of the largest one is due to an oval that was a point and has been opened
+# a torus is accepted if no lift at the start, a pair (σ, ν), differs from the given one by more than CLOSED of its size
+CLOSED = 2e-17
+# where an oval that was a point has been opened, lifts at the start below this fraction of the largest are due to that
 SMALLEST = 2.0**-40
 # the equations of motion are checked at CHECKED points, by difference quotients between AROUND points that are STEP
 # turns of the faster phase apart. Their error is about (2π·STEP·(the highest harmonic))⁴
@@ -97,11 +97,13 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 class Limits(NamedTuple):
     """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
-    the step of its difference quotients, in turns.
+    the step of its difference quotients, in turns. Lifts below the fraction ``smallest`` of the largest are due to an
+    oval that was a point and has been opened; 0 if none was.
     """
 
     enough: float
     nudge: float
+    smallest: float
 
 
 def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> float:
@@ -109,7 +111,7 @@ def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> floa
 
     First it multiplies the factors by ``tops``, by which :func:`~integrable.torus.theta_series.theta_weights` has
     divided the theta functions; it also changes the signs of the factors to those of the target. Returns the largest
-    remaining difference, relative to the largest number in ``target``, or NaN if a phase is NaN. ``room`` is memory
+    remaining difference, relative to the size of each lift, or NaN if a phase is NaN. ``room`` is memory
     for 7 numbers per factor.
     """
     places, factors, nudge = torus.places, torus.factors, limits.nudge
@@ -119,7 +121,7 @@ def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> floa
         last = tops[count]
     for k in range(count):
         factors[k] = factors[k] * tops[k] / last
-    size = weigh(target, weights)
+    weigh(target, weights, limits.smallest)
     for n in range(MOST_STEPS):
         for point in abreast(0, POINTS):
             first, second = zero, zero
@@ -140,25 +142,24 @@ def met(torus: Torus, tops: Row, target: Row, limits: Limits, room: Row) -> floa
         places[0], places[1] = places[0] + move1, places[1] + move2
     closure = 0.0
     for n in range(wide):
-        off = float(room[n] - target[n])
+        off = float((room[n] - target[n]) * weights[n // 2])
         closure = max(closure, abs(off)) + 0 * off
-    return closure / size
+    return closure
 
 
-def weigh(target: Row, weights: Row) -> float:
-    """Writes the weight 1/max(|σ|, |ν|) of each lift, so that a small lift, as at an end of a short oval, counts as
-    much as the others. A lift below SMALLEST times the largest gets the weight of the largest. Returns the largest size
-    in ``target``.
+def weigh(target: Row, weights: Row, smallest: float) -> None:
+    """Writes the weight 1/max(|σ|, |ν|) of each lift, so that a small lift, as at an end of a short oval or near an
+    unstable rotation, counts as much as the others. A lift below ``smallest`` times the largest, or a lift 0, gets the
+    weight of the largest.
     """
     size = 0.0
     for n in range(len(target)):
         size = max(size, abs(float(target[n])))
     for k in range(len(weights)):
         most = max(abs(float(target[2 * k])), abs(float(target[2 * k + 1])))
-        if most < SMALLEST * size:
+        if most < smallest * size or most == 0:
             most = size
         weights[k] = 1 / (most + 0 * target[0])
-    return size
 
 
 def give_signs(factors: Row, target: Row, room: Row) -> None:

@@ -144,7 +144,7 @@ def test_velocities_are_those_of_the_body(name) -> None:
     """dτ of the torus is its time over 2·max a·|M|, dt/dτ = √Σr_iγ_i² of the upright body."""
     body, setup = BODIES[name], setup_of(name)
     loops = ReadableLoops(setup)
-    units, motion, _, start, _ = beginning(setup, loops)
+    units, motion, _, start, *_ = beginning(setup, loops)
     gamma, M = (np.array(x) for x in (GAMMA, UPRIGHT))
     spin, frame = np.linalg.norm(M), loops.room(6)
     omega = np.array(body.omega(body.state(GAMMA, UPRIGHT)), dtype=float)
