@@ -313,7 +313,7 @@ PEAKED = (
         ((1.0, 2.0, 3e9), START),
         ((1e-5, 2e-3, 40.0), START),
         ((5e-4, 7e-7, 1e-3), START),
-        ((305770.3550398829, 1.170872358333604e-06, 2534.3278223786147), PEAKED),
+        pytest.param((305770.3550398829, 1.170872358333604e-06, 2534.3278223786147), PEAKED, marks=pytest.mark.slow),
     ],
 )
 def test_states_of_very_unequal_moments_are_the_nearest_floats(moments, start):
