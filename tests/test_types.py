@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 # an expression of a user, and mypy's answer without module names
 KNOWN = {
@@ -226,6 +228,7 @@ def test_public_functions_say_what_they_take():
     assert found <= ANYTHING, sorted(found - ANYTHING)
 
 
+@pytest.mark.slow
 def test_what_mypy_knows_of_a_script(tmp_path):
     script = tmp_path / "script.py"
     lines = [*(f"reveal_type({text})" for text in KNOWN), *WRONG]

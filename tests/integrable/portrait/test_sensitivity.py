@@ -91,6 +91,7 @@ def test_the_secular_part_is_what_grows():
     assert np.linalg.matrix_rank(found.secular[70] / 1e5, tol=1e-9) == 2
 
 
+@pytest.mark.slow
 def test_many_digits_at_any_time():
     K = MP(20)
     top, exact = EulerTop((1, 2, 3.5)), EulerTop((1, 2, "3.5"), field=K)

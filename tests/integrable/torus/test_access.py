@@ -393,8 +393,8 @@ def test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed():
 
 
 def test_a_start_next_to_an_unstable_rotation_keeps_the_digits_of_its_small_lifts() -> None:
-    """Components of M across the middle axis, 5e-14 at the start, were off by 1e-4 of their size. So M was off by 1.3e-7
-    of |M| after the top had turned over. H1 and H2 did not notice.
+    """Components of M across the middle axis, 5e-14 at the start, were off by 1e-4 of their size. So M was off by
+    1.3e-7 of |M| after the top had turned over. H1 and H2 did not notice.
     """
     inertia = (0.005975936980332287, 2.038040771032971e-06, 4.4376488900685207e-07)
     gamma = (0.018685811584041048, -0.05876514490185873, 0.9980969382730864)
