@@ -317,12 +317,10 @@ HALF_PEAKED = (
         ((1.0, 2.0, 3e9), START),
         ((1e-5, 2e-3, 40.0), START),
         ((5e-4, 7e-7, 1e-3), START),
-<<<<<<< HEAD
-        ((305770.3550398829, 1.170872358333604e-06, 2534.3278223786147), PEAKED),
-        ((7.075894384487356e-09, 150.49825275773247, 1655.7120383823026), HALF_PEAKED),
-=======
         pytest.param((305770.3550398829, 1.170872358333604e-06, 2534.3278223786147), PEAKED, marks=pytest.mark.slow),
->>>>>>> 9a2a95e6
+        pytest.param(
+            (7.075894384487356e-09, 150.49825275773247, 1655.7120383823026), HALF_PEAKED, marks=pytest.mark.slow
+        ),
     ],
 )
 def test_states_of_very_unequal_moments_are_the_nearest_floats(moments, start):
