@@ -5,8 +5,7 @@ differ:
 
 * here x^k dx/(y + h/2);
 * Magma, ``BigPeriodMatrix(AnalyticJacobian(f))``: x^k dx/y on y² = f; for a curve with h, on y² = 4f + h²;
-* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``: x^k dx/(2y + h), with the derivative of
-  the equation by y as denominator; so does the LMFDB.
+* Sage, ``RiemannSurface(y^2 + h*y - f).period_matrix()``, and the LMFDB: x^k dx divided by 2y + h.
 
 Each program chooses its own cycles: its matrix is (A, B)·M with M in Sp(2g, ℤ).
 """
