@@ -126,9 +126,9 @@ class Hamiltonian(Made):
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
         """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
         K, (gamma, M) = self.field, self._checked(state).vectors
-        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self.pair_at(state))
+        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self._pair_at(state))
 
-    def pair_at(self, state: State) -> tuple[Any, Any]:
+    def _pair_at(self, state: State) -> tuple[Any, Any]:
         """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
         gamma, M = state.vectors
         with _Finite():
