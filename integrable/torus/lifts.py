@@ -20,7 +20,7 @@ from jacobian.numbers.sums import joined, plus_product
 # than FARTHEST has no meaning
 POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
 # a torus is accepted if no lift at the start, a pair (σ, ν), differs from the given one by more than CLOSED of its size
-CLOSED = 2e-17
+CLOSED = 1e-18
 # where an oval that was a point has been opened, lifts at the start below this fraction of the largest are due to that
 SMALLEST = 2.0**-40
 # the equations of motion are checked at CHECKED points, by difference quotients between AROUND points that are STEP
