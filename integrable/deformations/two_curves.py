@@ -262,7 +262,7 @@ class CurveTranslation(Step):
             here = divisors(self.system, state)
             return from_divisors(self.system, TwoPoints(*map(self._sum, range(2), here)), like=state)
         try:
-            return SeparatedFlow(self.system, self.system._checked(state)).translated(self._time)
+            return SeparatedFlow(self.system, state).translated(self._time)
         except PrecisionLoss as error:
             raise PrecisionLoss(f"multiple = {written(self.multiple)}: as of a motion for so long, {error}") from None
 

@@ -24,6 +24,7 @@ from integrable.series.steps import (
     Reached,
     ReachedByMany,
     Steps,
+    exhausted,
     inverses,
     step_cost,
     steps_for,
@@ -177,11 +178,11 @@ class Kind:
                 if left is None and found.reached == len(times) and found.wrong is None:
                     return Near(None, found.states, SPARE * found.gap)
                 left = np.arange(len(times)) if left is None else left
-                right, exhausted = found.right, found.exhausted(len(left), steps)
+                right, given_up = found.right, bool(exhausted(found.reached, len(left), found.lost, found.tier, steps))
                 error = SPARE * min(found.gap, steps.tiers[0].agreed)
-                parts.append(Near(left[right], found.states[right], error, exhausted))
+                parts.append(Near(left[right], found.states[right], error, given_up))
                 left, tier = np.delete(left, right), found.tier + 1
-                if exhausted or not len(left):
+                if given_up or not len(left):
                     return self._joined(parts)
         return self._joined(parts)
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from integrable.series.kinds import Kind, Near
 from integrable.series.room import WIDEST
-from integrable.series.steps import SPARE, Steps, steps_for
-from integrable.series.walk import FARTHEST, MOST_LOST, Many
+from integrable.series.steps import SPARE, Steps, exhausted, steps_for
+from integrable.series.walk import FARTHEST, Many
 
 
 class NearMany(NamedTuple):
@@ -96,7 +96,7 @@ class _Walks:
         found.reached[places[0][right], places[1][right]] = True
         self.left[rows[right]] = False
         self.tiers[which] = tier + 1
-        self.over[which] = (tier < len(steps.tiers)) & (reached < count) & (lost <= MOST_LOST)
+        self.over[which] = exhausted(reached, count, lost, tier, steps)
         np.logical_or.at(found.exhausted, members, self.over[which])
         # the estimates of walks that have found no state are left out
         had = np.add.reduceat(right, ends[:-1]) > 0

@@ -87,9 +87,14 @@ class Reached(NamedTuple):
         """The indices of the rows that were reached and are not wrong."""
         return np.arange(self.reached) if self.wrong is None else np.flatnonzero(~self.wrong)
 
-    def exhausted(self, count: int, steps: Steps) -> bool:
-        """Whether the walk was given up before it had reached ``count`` times, as it would have taken too long."""
-        return self.tier < len(steps.tiers) and self.reached < count and self.lost <= MOST_LOST
+
+Counts = int | np.ndarray
+"""A number for one walk, or for each of several."""
+
+
+def exhausted(reached: Counts, count: Counts, lost: Counts, tier: Counts, steps: Steps) -> bool | np.ndarray:
+    """Whether a walk was given up before it had reached ``count`` times, as it would have taken too long."""
+    return (tier < len(steps.tiers)) & (reached < count) & (lost <= MOST_LOST)
 
 
 class ReachedByMany(NamedTuple):
