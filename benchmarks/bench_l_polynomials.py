@@ -1,10 +1,11 @@
 """L-polynomials at all primes up to a bound: processor time and its growth, compared with PARI prime by prime.
 
-"PARI, s" is PARI's ``ellap`` at all primes in genus 1, else its ``hyperellcharpoly`` at a prime of each bit length,
-times the number of such primes, for bounds up to PARI_TO (cypari, where it is installed); "growth" is the time for this
-bound over that for a quarter of it. "memory, MB" is the peak of this process so far. The last rows justify the
-arithmetic of trees. One compares a product of two matrices in FLINT with the 75 transforms alone that the product would
-need. The others compare one walk from 0 with the blocks of a forest.
+"PARI, s" is the time of PARI for bounds up to PARI_TO, where cypari is installed. In genus 1 it is that of ``ellap``
+at all primes. In higher genus ``hyperellcharpoly`` is timed at one prime of each bit length, and each time is
+multiplied by the number of such primes. "growth" is the time for this bound divided by that for a quarter of it.
+"memory, MB" is the peak of this process so far. The last rows justify the arithmetic of trees. One compares a product
+of two matrices in FLINT with the 75 transforms alone that the product would need. The others compare one walk from 0
+with the blocks of a forest.
 """
 
 from __future__ import annotations

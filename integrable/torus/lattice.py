@@ -132,10 +132,11 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
 
 
 class Beginning(NamedTuple):
-    """The data from which a torus is made, as rows of the numbers with which its loops compute: a :func:`motion_row`
-    and its ``units``, (α, β) of the tilt term of 1/g, the start in these units, and a
-    :func:`~integrable.moving_point.problem.problem_row` in the set-up's units, of which only the entries from
-    TIME_SCALE on are needed. ``smallest``: see :class:`integrable.torus.lifts.Limits`.
+    """The data from which a torus is made, as rows of the numbers with which its loops compute.
+
+    ``motion`` is a :func:`motion_row` in ``units``, ``tilt`` is (α, β) of the tilt term of 1/g. ``start`` is the start
+    in these units. ``problem`` is a :func:`~integrable.moving_point.problem.problem_row` in the set-up's units; only
+    the entries from TIME_SCALE on are needed. ``smallest``: see :class:`integrable.torus.lifts.Limits`.
     """
 
     units: Units

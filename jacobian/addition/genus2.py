@@ -8,9 +8,9 @@ takes 1I + 22M + 5S if also f₄ = 0. On models of degree 6, split or inert, nei
 sum carry weight at infinity, so the same cubic serves. There an addition takes 1I + 29M + 3S for any h, and a doubling
 1I + 36M + 3S (f₆ = 1, h = 0).
 
-The product that is inverted is 0 in the special cases, which are left to Cantor's algorithm. In these U and U', or U
-and 2V + h in a doubling, have common roots (the resultant r is 0); or the cubic is of lower degree, on a ramified model
-(s₁ = 0); or it meets the curve at infinity, on a model of degree 6 (s₁² + h₃s₁ = f₆).
+The product that is inverted is 0 in three special cases, which are left to Cantor's algorithm. U and U' have a common
+root, or in a doubling U and 2V + h: the resultant r is 0. On a ramified model the cubic may have a lower degree: s₁ =
+0. On a model of degree 6 it may meet the curve at infinity: s₁² + h₃s₁ = f₆.
 
 In code a ``Line`` is a divisor as (a₁, a₀, b₁, b₀), a ``Quotient`` is (r, r·s₁, r·s₀).
 :mod:`jacobian.addition.straight` turns the steps into code.

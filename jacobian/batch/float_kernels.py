@@ -24,8 +24,9 @@ NOISE = 2.0**-40
 GIVEN_NOISE = 2.0**-32
 # summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
-# a sum has a point far out or at infinity if |l1| of genus2_real is below FLATTEST_CHORD (deg f = 5, floats), or if the
-# leading coefficient of p² − q²f of genus2_complex is below FLATTEST; there the largest of q, l1 and l0 is about 1
+# a sum has a point far out or at infinity in two cases. In genus2_real (deg f = 5, floats) |l1| is below
+# FLATTEST_CHORD. In genus2_complex, where the largest of q, l1 and l0 is about 1, the leading coefficient of p² − q²f
+# is below FLATTEST
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
 # f at the smallest abscissa of the summands, and its leading term at the largest one, must be at least this fraction of

@@ -3,11 +3,12 @@
 A pair (U, V) on y² = f(x) can have any of the following data. Each kind of datum gives an extension of the Jacobian:
 
 * at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U. σ gives the sign
-  of √U(e); where U(e) = 0, ν gives the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift;
+  of √U(e); where U(e) = 0, ν gives the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift.
 * at any other point (x₀, y₀) the triple (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), the same as (κ/c², cσ, cσ̄). Its group is the
-  generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954);
-* on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞;
-* on a model of even degree with leading coefficient r² the third-kind datum Z = exp(rΣ∫x^g dx/y), modulus ∞₊ + ∞₋.
+  generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954).
+* on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞.
+* on a model of even degree the third-kind datum Z = exp(rΣ∫x^g dx/y), where r² is the leading coefficient of f. The
+  modulus of its group is ∞₊ + ∞₋.
 
 A composition adds or multiplies these data. A reduction step, f − V² = −c·U·U', V' = −V mod U', changes them according
 to the function y − V. These two operations suffice for every degree and genus, and no root is taken. Over inexact
