@@ -68,6 +68,9 @@ class Enclosure(Record):
     def __len__(self) -> int:
         return len(self.tau)
 
+    def __repr__(self) -> str:
+        return f"<Enclosure of {len(self)} states, largest radius {self.radius.max(initial=0):.2g}>"
+
     def _value(self) -> tuple[object, ...]:
         # flint's balls are equal only if they are points, and cannot be pickled
         columns = (self.times, self.tau, self.q, self.p)

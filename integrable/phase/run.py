@@ -34,6 +34,9 @@ class Run(Record, Generic[One]):
     _arrays: ClassVar[tuple[str, ...]] = ("_times", "_rows", "error", "digits")
     """The attributes with an entry for each state, or None."""
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self)} states, by {self.way}>"
+
     def __len__(self) -> int:
         return len(self._rows)
 

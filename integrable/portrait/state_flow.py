@@ -44,6 +44,9 @@ class StateFlow(Generic[AnyRun]):
     """The number to which errors of the first vector are relative; None if they are relative to its largest component.
     """
 
+    def __repr__(self) -> str:
+        return f"<motion of {self.system!r}>"
+
     def at(self, times: Numbers) -> AnyRun:
         """The states at times."""
         raise NotImplementedError

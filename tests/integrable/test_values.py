@@ -134,3 +134,10 @@ def test_a_flow_in_another_process_goes_on():
     again = pickle.loads(pickle.dumps(flow))
     assert again is not flow
     assert (again.at([3.0, 100.0]).gamma == flow.at([3.0, 100.0]).gamma).all()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_value_says_what_it_is(kind):
+    """Flows, paths and enclosures had Python's default text, a module and an address."""
+    for what, value in values(kind).items():
+        assert " object at 0x" not in repr(value), what
