@@ -23,6 +23,9 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         self.one = (K.one,)
         self.name = f"{K.name}[x]/({poly.text(K, P)})"
 
+    def __repr__(self) -> str:
+        return self.name
+
     def coerce(self, value: object, argument: str = "value") -> poly.Poly:
         """``value`` as an element of K, a constant polynomial."""
         return poly.trim(self.base, (self.base.coerce(value, argument),))

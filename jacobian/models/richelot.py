@@ -95,6 +95,9 @@ class DualIsogeny(Immutable):
         scale = K.inv(K.mul(poly.integer(K, -4), fourth))
         self.scaled = Isomorphism(self.back.target, (1, 0, 0, 1), scale, infinity_plus=plus)
 
+    def __repr__(self) -> str:
+        return f"<dual of {self.forward!r}>"
+
     def __call__(self, D: Divisor) -> Divisor:
         """The image of a class of ``forward.target``."""
         return self.scaled(self.back(D))
@@ -117,6 +120,9 @@ class Splitting(Immutable):
         # the moved curve is y² = Π(a_i x² + b_i)
         product = self.move.target.f[::2]
         self.targets = HyperellipticCurve(K, product), HyperellipticCurve(K, product[::-1])
+
+    def __repr__(self) -> str:
+        return f"<isogeny from the Jacobian of {self.source!r} to {self.targets[0]!r} and {self.targets[1]!r}>"
 
     def kernel(self) -> list[Divisor]:
         """The three classes of order 2 in the kernel."""

@@ -53,6 +53,9 @@ class KleinianFunctions(Immutable):
             branch_point = whole(branch_point, "branch_point", "the number of a branch point is an int, 0 … 5", 0, 5)
         self.abel, self.branch_point = abel, branch_point
 
+    def __repr__(self) -> str:
+        return f"<Kleinian functions of {self.abel.curve!r}>"
+
     def wp(self, z: Sequence[Any]) -> Wp:
         """(℘_11, ℘_12, ℘_22) at z, two numbers of any size. Exceptions are those of ``abel.inverse``; PrecisionLoss
         near the poles.

@@ -49,6 +49,9 @@ class PeriodMatrix(Immutable):
     def __reduce__(self) -> tuple[object, ...]:
         return self.recipe
 
+    def __repr__(self) -> str:
+        return f"<period matrix of {self.recipe[1][0]!r}>"
+
     @property
     def big(self) -> tuple[tuple[Any, ...], ...]:
         """The matrix (A, B): g rows of 2g numbers."""

@@ -101,6 +101,9 @@ class ExtendedGroup(Immutable):
         self.kinds = tuple(kinds)
         self.curve = HyperellipticCurve(field, self.f) if field.exact else None
 
+    def __repr__(self) -> str:
+        return f"<pairs of y^2 = {poly.text(self.field, self.f)} over {self.field.name} with {len(self.kinds)} data>"
+
     def zero(self) -> Extended:
         """The identity."""
         return Extended((self.field.one,), (), tuple(kind.zero(self) for kind in self.kinds))

@@ -67,6 +67,9 @@ class SignedGroup(Immutable):
             if curve.field.exact and poly.evaluate(curve.field, curve.f, e) != curve.field.zero:
                 raise ArgumentError(f"branch_points: {written(e)} is not a root of f")
 
+    def __repr__(self) -> str:
+        return f"<divisors of {self.curve!r} with signs at {len(self.branch_points)} branch points>"
+
     def lift(self, u: poly.Poly, v: poly.Poly, signs: Sequence[int] | None = None) -> SignedDivisor:
         """The pair (u, v) with κ = 1 (−1 for weight one) and, at each branch point e, σ = √(κu(e)) times its sign.
 

@@ -82,6 +82,12 @@ def test_values_of_one_type_that_differ_compare_as_different():
 
 
 @pytest.mark.parametrize("what", VALUES)
+def test_a_value_says_what_it_is(what):
+    """Extended and signed groups and five other classes had Python's default text."""
+    assert " object at 0x" not in repr(VALUES[what])
+
+
+@pytest.mark.parametrize("what", VALUES)
 def test_nothing_can_be_set_or_deleted(what):
     assert_sealed(VALUES[what])
 
