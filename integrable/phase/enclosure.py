@@ -1,6 +1,6 @@
 """States with proven bounds (enclosures): the search for the number of bits that they need, and for τ at a time.
 
-Each engine defines its motion in balls (:class:`InBalls`), and :func:`enclosed` computes the rows.
+Each kind of motion has a class of motions in balls (:class:`InBalls`), from which :func:`enclosed` computes the states.
 """
 
 from __future__ import annotations
@@ -234,12 +234,12 @@ def _ball(ends: Ends) -> arb:
     from flint import arb
 
     middle, (mantissa, exponent) = ends
-    shift = 30 - mantissa.bit_length()
-    for less in (1, 0):
-        ball = arb(middle, arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
-        if ball is not None and ball.rad() == arb(ends[1]):
+    radius, shift = arb(ends[1]), 30 - mantissa.bit_length()
+    for less in (1, 0) if mantissa else ():
+        ball = arb(middle, arb(((mantissa << shift) - less, exponent - shift)))
+        if ball.rad() == radius:
             return ball
-    return arb(middle, arb(ends[1]))
+    return arb(middle, radius)
 
 
 def _rebuilt(size: int, times: Column | None, tau: Column, first: Column, second: Column, radius: Sizes) -> Enclosure:

@@ -114,8 +114,7 @@ class PhaseSpace(Made, Generic[Element]):
 
     def integrals(self, state: State[Element]) -> Integrals[Element]:
         """The integrals C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M) of a state."""
-        state = self._checked(state)
-        return self.body.integrals(*state.vectors)
+        return self.body.integrals(*self._checked(state).vectors)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
         """The :meth:`integrals` of N real states, γ and M of shape (N, 3): four arrays of shape (N,)."""
@@ -136,8 +135,7 @@ class PhaseSpace(Made, Generic[Element]):
 
     def omega(self, state: State[Element]) -> Vector[Element]:
         """The angular velocity ω in the body frame."""
-        state = self._checked(state)
-        return self.body.omega(*state.vectors)
+        return self.body.omega(*self._checked(state).vectors)
 
     def vector_field(self, state: State[Element]) -> State[Element]:
         """(γ̇, Ṁ) = (γ × ω, M × ω), as a State of derivatives."""
