@@ -16,7 +16,7 @@ from integrable.deformations.scalars import Potential, RateTerms, Scalars, dot, 
 from integrable.phase.body import Body, Vector, finite_floats
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
-from integrable.phase.state import State, check_state
+from integrable.phase.state import State, check_state, state_of_row
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
 from jacobian.element import Element, Real, Value
@@ -60,9 +60,8 @@ class Isometry(NamedTuple):
 
 
 class Hamiltonian(Made):
-    """The states, integrals and equations of motion of a deformation.
-
-    It is the base class of :class:`integrable.deformations.deformation.Deformation`.
+    """The states, integrals and equations of motion of a deformation: base of
+    :class:`integrable.deformations.deformation.Deformation`.
     """
 
     rigid: ChaplyginBall
@@ -166,15 +165,14 @@ class Hamiltonian(Made):
         import numpy as np
 
         jets = JetField(self.field, 6)
-        g1, g2, g3, m1, m2, m3 = jets.variables(self._checked(state).row)
+        state = state_of_row(jets.variables(self._checked(state).row))
         system = self._of_constants(jets, [*map(jets.constant, self.constants)])
-        rates = system._rates(State((g1, g2, g3), (m1, m2, m3))).row
+        rates = system._rates(state).row
         return np.array([jets.coerce(x).slopes for x in rates], dtype=float if self.field == RR else object)
 
     def rates_in(self, numbers: Field, y: Sequence[Real]) -> list[Real]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
-        rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return [*rate.row]
+        return [*self.over(numbers)._rates(state_of_row(y)).row]
 
     def _rates(self, state: State) -> State:
         wrap = self._constants()
@@ -184,9 +182,8 @@ class Hamiltonian(Made):
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]
         if self.field.exact:
-            rate, momentum = ([x.value for x in v] for v in (rate, momentum))
-        (x1, x2, x3), (m1, m2, m3) = rate, momentum
-        return State((x1, x2, x3), (m1, m2, m3))
+            return state_of_row([x.value for x in (*rate, *momentum)])
+        return state_of_row((*rate, *momentum))
 
     @property
     def repels(self) -> bool:

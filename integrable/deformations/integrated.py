@@ -18,7 +18,7 @@ from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.precisions import long_digits
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.state import State, onto_constraints, state_of_row
 from integrable.phase.ways import InOrder, Way
 from integrable.portrait.differences import Inputs
 from integrable.portrait.sensitivity import Sensitivity, in_field
@@ -130,8 +130,7 @@ class IntegratedStates(Integration):
         # the inputs meet the constraints only to their own digits
         begin = begin + (begin - first[:, :6] @ begin)
         for time, (rows, matrix) in zip(given, found, strict=True):
-            row = rows[:, 0].tolist()
-            rates = np.array(self._system.vector_field(State((row[0], row[1], row[2]), (row[3], row[4], row[5]))).row)
+            rates = np.array(self._system.vector_field(state_of_row(rows[:, 0].tolist())).row)
             gap = max(abs(matrix[:, :6] @ begin - rates)) / max(abs(matrix[:, :6] * begin).ravel())
             missing = digits_of(gap) + self._asked
             if missing > 0:
@@ -147,12 +146,12 @@ class IntegratedStates(Integration):
         jets = JetField(wide, 1)
         y = [Jet(jets, wide.coerce(x), (wide.one if i == k else wide.zero,)) for i, x in enumerate(numbers)]
         system = self._system._of_constants(jets, y[6:])
-        start = onto_constraints(system, State((y[0], y[1], y[2]), (y[3], y[4], y[5]))).row
+        start = onto_constraints(system, state_of_row(y[:6])).row
         unit = wide.context.ldexp(wide.one, -exponent)
 
         def rates(y: Sequence[Real]) -> list[Real]:
-            a, b, c, d, e, f = (Jet(jets, x, (slope,)) for x, slope in zip(y[:6], y[6:], strict=True))
-            found = system._rates(State((a, b, c), (d, e, f))).row
+            state = state_of_row(Jet(jets, x, (slope,)) for x, slope in zip(y[:6], y[6:], strict=True))
+            found = system._rates(state).row
             return [unit * x for x in (*(jet.value for jet in found), *(jet.slopes[0] for jet in found))]
 
         begin = [*(jet.value for jet in start), *(jet.slopes[0] for jet in start)]
@@ -194,5 +193,5 @@ class IntegratedStates(Integration):
 
     def _integrals(self, y: Sequence[Real]) -> tuple[Real, Real]:
         """H and K at (γ, M)."""
-        found = self._system.integrals(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return found.H, found.K
+        _, _, H, K = self._system.integrals(state_of_row(y))
+        return H, K

@@ -104,7 +104,7 @@ def poles(q: Scalars, potential: Potential, term: Callable[[Real, Real, Real], R
 def dot(x: Sequence[Real], y: Sequence[Real]) -> Real:
     """Σ x_i y_i, for three components."""
     (x1, x2, x3), (y1, y2, y3) = x, y
-    # it begins with 0, as sum() does: recorded formulas keep their constants in this order
+    # the sum begins with 0, as that of sum() does; the order of the constants in recorded formulas depends on it
     return 0 + x1 * y1 + x2 * y2 + x3 * y3
 
 

@@ -16,16 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.short_rows import (
-    FLOATS,
-    LOT,
-    MADE,
-    SUMS,
-    WIDES,
-    Request,
-    Rule,
-    new_room,
-)
+from integrable.moving_point.short_rows import FLOATS, LOT, MADE, SUMS, WIDES, Request, Rule, new_room
 from integrable.moving_point.short_start import set_up
 from integrable.phase.ways import Cost
 from jacobian.numbers.compiler import interpreted
@@ -108,15 +99,9 @@ class ShortRuns:
             if len(times) < INTERPRETED_TIMES:
                 status, rows, other = self._interpreted(times, physical, clock)
         elif (most := panels_within(self._cost, len(times))) > 0:
-            status, rows, other = self._compiled(times, physical, clock, most)
+            asked = Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE)
+            status, self.panels, rows, other = compiled_run(asked, times)
         return None if status else (rows, other if physical or clock else times)
-
-    def _compiled(
-        self, times: np.ndarray, physical: bool, clock: bool, most: int
-    ) -> tuple[int, np.ndarray, np.ndarray]:
-        asked = Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE)
-        status, self.panels, rows, other = compiled_run(asked, times)
-        return status, rows, other
 
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
         reals, count = BareReals(BITS), len(times)

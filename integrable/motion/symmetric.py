@@ -163,7 +163,9 @@ class SymmetricFlow:
         """The phase θ = π·n + x at physical times, as (n, x) with n whole and |x| ≤ π/2."""
         N = self.numbers
         whole, rest = N.turns_of(times, self._rate, self._start)
-        low, high = rest - self._farthest_lean, rest + self._farthest_lean
+        # G is odd and increasing, so that |G(cos θ)| ≤ G(1)
+        farthest = abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
+        low, high = rest - farthest, rest + farthest
         y = rest.copy()
         for _ in range(N.passes if self._kepler else 0):
             c, s = N.cos(2 * N.pi * y), N.sin(2 * N.pi * y)
@@ -231,11 +233,6 @@ class SymmetricFlow:
         s, c = self._angle_at(gap)
         s0, c0 = self._start_angle
         return -self.numbers.sin(gap) * (s0 * c + c0 * s)
-
-    @property
-    def _farthest_lean(self) -> np.ndarray:
-        """An upper bound of the difference between θ/2π and its mean."""
-        return abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The phase θ = π·n + x at values of τ, as (n, x) like :meth:`_at_times`."""

@@ -212,35 +212,18 @@ def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Real:
     """The divergence div(g·(γ × ω, M × ω))/g at any (γ, M): 0, as g dγ dM is an invariant measure (Chaplygin 1903).
 
-    It is rational in (γ, M), because ∂g/g = −½g²·∂(g⁻²) with g⁻² = 1 − d(γ, Aγ).
+    It is rational in (γ, M), because ∂g/g = −½g²·∂(g⁻²) with g⁻² = (γ, γ) − d(γ, Aγ), as in :meth:`Body.conformal`.
     """
     K = body.field
 
     def motion(field: Field, point: Variables) -> Sequence[Real]:
-        moved = replace(body, field=field)
-        x, m = point[:3], point[3:]
-        omega = _omega(moved, x, m)
+        x, m = (point[0], point[1], point[2]), (point[3], point[4], point[5])
+        omega = replace(body, field=field).omega(x, m)
         return (*cross(field, x, omega), *cross(field, m, omega))
 
     point = (*gamma, *M)
     rows = jacobian_matrix(K, motion, point)
     trace = K.dot([row[i] for i, row in enumerate(rows)], (K.one,) * 6)
-    (slope,) = jacobian_matrix(K, lambda field, x: (_inverse_square(replace(body, field=field), x[:3]),), point)
+    (slope,) = jacobian_matrix(K, lambda field, x: (replace(body, field=field).conformal((x[0], x[1], x[2])),), point)
     change = K.dot(slope, motion(K, point))
-    two = K.add(K.one, K.one)
-    return K.sub(trace, K.div(change, K.mul(two, _inverse_square(body, gamma))))
-
-
-def _inverse_square(body: Body, gamma: Sequence[Real]) -> Real:
-    """g⁻² = 1 − d(γ, Aγ), for γ of any length; :meth:`Body.conformal` assumes |γ| = 1."""
-    K = body.field
-    return K.sub(K.one, K.mul(body.d, K.dot(body.a, [K.mul(x, x) for x in gamma])))
-
-
-def _omega(body: Body, gamma: Sequence[Real], M: Sequence[Real]) -> Vector:
-    """ω for γ of any length."""
-    K = body.field
-    moved = [K.mul(a, x) for a, x in zip(body.a, M, strict=True)]
-    spin = K.mul(body.d, K.div(K.dot(gamma, moved), _inverse_square(body, gamma)))
-    w1, w2, w3 = (K.add(x, K.mul(spin, K.mul(a, y))) for x, a, y in zip(moved, body.a, gamma, strict=True))
-    return w1, w2, w3
+    return K.sub(trace, K.div(change, K.mul(K.add(K.one, K.one), body.conformal(gamma))))

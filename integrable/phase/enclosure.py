@@ -152,8 +152,8 @@ Moving = TypeVar("Moving", bound=InBalls)
 def enclosed(
     motions: Precisions[Moving], times: Sequence[Real], guesses: Sequence[Real] | None, lost: Callable[[Real], int]
 ) -> list[Row]:
-    """The rows at times for which ``guesses`` are values of τ, or at values of τ if there are no guesses. ``lost`` is a
-    guess of the number of bits that balls lose until a τ.
+    """The rows at physical ``times``, for which ``guesses`` are approximate values of τ; without guesses ``times`` are
+    values of τ. ``lost(τ)`` is a guess of the number of bits that balls lose until τ.
     """
 
     def read(motion: Moving, i: int) -> tuple[Vectors, arb]:
@@ -165,7 +165,7 @@ def enclosed(
 
     places = times if guesses is None else guesses
     rows: dict[int, Row] = {}
-    # the farthest place comes first, because it may need more bits, which the later rows then share
+    # the farthest time comes first: it may need the most bits, and a motion made with these serves the other times too
     for i in sorted(range(len(times)), key=lambda i: -abs(places[i])):
         vectors, radius = motions.narrow(partial(read, i=i), lost(places[i]))
         rows[i] = (*vectors, radius)
@@ -182,7 +182,7 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
     for _ in range(MOST_TRIALS):
         slope = rate(tau + arb(0, width))
         step = rest / slope
-        # over this ball t(τ) increases by more than the rest, so that the ball contains the wanted τ
+        # over this ball t(τ) increases by more than ``rest``, so that the ball contains the wanted τ
         if slope > 0 and abs(step).abs_upper() < width:
             return tau + step
         width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4

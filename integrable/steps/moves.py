@@ -1,5 +1,5 @@
 """Maps that need no choice of points: multiples of the state's own divisor, addition of the branch point 1/d, and steps
-along the pencil of a conic. Time shifts are in :mod:`integrable.steps.time_shift`.
+along a pencil of parabolas. Time shifts are in :mod:`integrable.steps.time_shift`.
 
 Each map preserves H1 and H2. Its docstring states its effect on the bracket of :meth:`System.poisson`, which
 :func:`integrable.phase.brackets.image_brackets` tests.
@@ -8,26 +8,19 @@ Each map preserves H1 and H2. Its docstring states its effect on the bracket of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING
 
 from integrable.phase import coordinates
 from integrable.phase.body import square_root
 from integrable.phase.jets import apply
 from integrable.phase.space import PhaseSpace, check_moving
 from integrable.phase.state import State
-from integrable.steps.guard_digits import (
-    LARGEST,
-    body_condition,
-    on_principal_axis,
-    tilt_condition,
-    with_enough_digits,
-)
+from integrable.steps.guard_digits import LARGEST, body_condition, on_principal_axis, tilt_condition, with_enough_digits
 from integrable.steps.step import Abscissa, Step, check_doublings, checked_signs
 from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element
 from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, written
 from jacobian.fields.inexact import InexactField
-from jacobian.immutable import replaced
 from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
 
 if TYPE_CHECKING:
@@ -45,10 +38,6 @@ class Move(Step):
         PrecisionLoss if H1 or H2 of the image differs from that of the state (by 10⁻⁹ in floats).
         """
         return with_enough_digits(self, self.system._checked(state))
-
-    def over(self, system: Any) -> Self:
-        """The same map on the same system over another field."""
-        return replaced(self, system=system)
 
     def plain(self, state: State) -> State:
         """The image computed in the numbers of the field, without a check of the loss of digits."""
@@ -115,7 +104,7 @@ class Multiplication(Move):
         """
         system, body, K = self.system, self.system.body, self.system.field
         kappas = coordinates.kappas(body)
-        if any(kappa == K.zero for kappa in kappas):
+        if K.zero in kappas:
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
         # for an even factor the roots never exist over the reals
         even = self.factor % 2 == 0
