@@ -101,9 +101,8 @@ class Hamiltonian(Made):
     @quick_property
     def constants(self) -> tuple[Any, ...]:
         """The moments and d, then the five numbers of a potential, then further constants."""
-        body, potential = self.body, self.potential
-        terms = () if potential is None else (potential.a, potential.b, *potential.poles)
-        return (*body.inertia, body.d, *terms, *[getattr(self, name) for name in self.further])
+        further = [getattr(self, name) for name in self.further]
+        return (*self.body.inertia, self.body.d, *(self.potential or ()), *further)
 
     def _of_constants(self, field: Field, values: Sequence[Any]) -> Self:
         """The system of the same kind with the :attr:`constants` ``values``, unchecked elements of ``field``."""
@@ -113,8 +112,7 @@ class Hamiltonian(Made):
     def _with(self, body: Body, rest: Sequence[Real]) -> Self:
         potential = self.potential
         if potential is not None:
-            a, b, x, y, z, *rest = rest
-            potential = Potential(a, b, (x, y, z))
+            potential, rest = Potential(*rest[:5]), rest[5:]
         further, rigid = dict(zip(self.further, rest, strict=True)), ChaplyginBall._of(body)
         return replaced(self, rigid=rigid, body=body, field=body.field, potential=potential, **further)
 
@@ -240,10 +238,7 @@ class Hamiltonian(Made):
         return Scalars([wrap(x) for x in self.a], wrap(self.d), tuple(gamma), tuple(M))
 
     def _terms(self, wrap: Any) -> Potential | None:
-        if self.potential is None:
-            return None
-        a, b, poles = self.potential
-        return Potential(wrap(a), wrap(b), tuple(map(wrap, poles)))
+        return None if self.potential is None else Potential(*map(wrap, self.potential))
 
     def _slope(self, state: State) -> tuple[Real, ...]:
         """The gradient ∂V/∂γ."""
@@ -259,17 +254,14 @@ class Hamiltonian(Made):
     @property
     def arguments(self) -> dict[str, object]:
         offset = {"d": self.d} if self.body.rolls else {}
-        terms = self.potential
-        return {"inertia": self.body.inertia, **offset} | (
-            {} if terms is None else {"potential": (terms.a, terms.b, *terms.poles)}
-        )
+        terms = {} if self.potential is None else {"potential": tuple(self.potential)}
+        return {"inertia": self.body.inertia, **offset, **terms}
 
 
 def _potential(field: Field, values: Sequence[Value]) -> Potential:
     if field is RR and finite_floats(values) and len(values) == 5:
-        return Potential(*values[:2], values[2:])
+        return Potential(*values)
     given = list(values) if isinstance(values, (list, tuple)) else []
     if len(given) != 5:
         raise ArgumentError(f"potential = {shown(values)}: give five numbers (a, b, b_1, b_2, b_3)")
-    a, b, *rest = (field.coerce(x, f"potential[{i}]") for i, x in enumerate(given))
-    return Potential(a, b, tuple(rest))
+    return Potential(*(field.coerce(x, f"potential[{i}]") for i, x in enumerate(given)))

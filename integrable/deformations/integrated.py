@@ -177,7 +177,9 @@ class IntegratedStates(Integration):
     def _missing(self, rows: list[list[Real]]) -> list[int]:
         """For each row, the number of digits that H and K lack; LOST_DIGITS fewer than requested are enough."""
         wanted = self._asked - LOST_DIGITS
-        (before, *moved), found = ([self._integrals(y) for y in points] for points in (self._nearby, rows))
+        (before, *moved), found = (
+            [self._system.integrals(state_of_row(y))[2:] for y in points] for points in (self._nearby, rows)
+        )
         # the error of F = H or K is measured relative to |F| + Σ|ΔF/part|, with the changes ΔF at nearby states
         part = self._system.field.coerce(PART)
         sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
@@ -190,8 +192,3 @@ class IntegratedStates(Integration):
         vectors, part = self._state.vectors, self._system.field.coerce(PART)
         units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
         return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
-
-    def _integrals(self, y: Sequence[Real]) -> tuple[Real, Real]:
-        """H and K at (γ, M)."""
-        _, _, H, K = self._system.integrals(state_of_row(y))
-        return H, K

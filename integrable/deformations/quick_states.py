@@ -98,7 +98,6 @@ class QuickStates:
         self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         carrier = self._many.carrier
         if not carrier.rolls:
             rows = self.at_tau(times)
@@ -107,7 +106,6 @@ class QuickStates:
             return self._timed(carrier, times) if len(times) else None
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
-        """γ and M at values of τ, shape (N, 6)."""
         carrier = self._many.carrier
         with carrier.field:
             if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
@@ -141,12 +139,7 @@ class QuickStates:
         return None if rows is None else (rows, tau)
 
     def _quick(
-        self,
-        carrier: CurvesCarrier,
-        packed: PackedCurves,
-        points: np.ndarray,
-        far: int,
-        truth: GammaM,
+        self, carrier: CurvesCarrier, packed: PackedCurves, points: np.ndarray, far: int, truth: GammaM
     ) -> np.ndarray | None:
         """γ and M at points of the curves; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         found = packed.formulas.at(packed.fixed, points)

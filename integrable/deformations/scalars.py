@@ -85,11 +85,18 @@ class RateTerms(NamedTuple):
 
 
 class Potential(NamedTuple):
-    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, ``poles`` the factors of 1/γ_i²."""
+    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, and the factors b_i of 1/γ_i²."""
 
     a: Real
     b: Real
-    poles: tuple[Real, Real, Real]
+    b1: Real
+    b2: Real
+    b3: Real
+
+    @property
+    def poles(self) -> tuple[Real, Real, Real]:
+        """The b_i."""
+        return self[2:]
 
 
 def poles(q: Scalars, potential: Potential, term: Callable[[Real, Real, Real], Real]) -> Real:

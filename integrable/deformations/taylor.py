@@ -120,9 +120,7 @@ def too_long(told: Row, most: float, now: float, end: float) -> bool:
 
 _TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(SeriesRoom, WIDES, WIDES, WIDES, FLOATS)
 LIBRARY = Library(
-    "taylor_series",
-    {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES))},
-    SPECIAL,
+    "taylor_series", {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES))}, SPECIAL
 )
 
 

@@ -104,8 +104,7 @@ def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.nd
 def _inputs(system: Any, state: State) -> dict[str, Real]:
     """The inputs of a motion by name."""
     if hasattr(system, "inputs"):
-        found: dict[str, Real] = system.inputs(state)
-        return found
+        return system.inputs(state)
     terms = () if getattr(system, "potential", None) is None else [f"potential {i}" for i in range(1, 6)]
     names = ("I1", "I2", "I3", "d", *terms, *getattr(system, "further", ()), "γ1", "γ2", "γ3", "M1", "M2", "M3")
     constants = getattr(system, "constants", None) or (*system.body.inertia, system.body.d)

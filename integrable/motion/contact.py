@@ -87,7 +87,7 @@ class Rolling:
 
         system = widened(flow.system, setup.wide)
         body, state = system.body, onto_constraints(system, flow.state)
-        c, (h1, h2) = system.integrals(state)[1], system.integrals(state)[2:]
+        _, c, h1, h2 = system.integrals(state)
         length = setup.wide.sqrt(sum(x * x for x in cross(setup.wide, *state.vectors)))
         middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
         self._different = numbers(

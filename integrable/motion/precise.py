@@ -281,22 +281,19 @@ def farthest(times: list[Real]) -> Real:
 
 
 class RoundedRows:
-    """States to as many digits as needed, rounded to a field: RR or MP(digits)."""
+    """The :class:`integrable.phase.ways.Way` to states that ``many`` computes, rounded to a field: RR or MP(digits)."""
 
     def __init__(self, field: Field, many: ManyDigits, way: str) -> None:
         self.field, self.many, self.way = field, many, way
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         tau, points = self.many.at(times.tolist())
         return self.rows(points), rounded(self.field, tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M side by side at values of τ: shape (N, 6)."""
         return self.rows(self.many.at_tau(tau.tolist()))
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """The physical times t(τ) at values of τ: shape (N,)."""
         return rounded(self.field, self.many.times(tau.tolist()))
 
     def rows(self, points: list[Any]) -> np.ndarray:
@@ -308,8 +305,7 @@ def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.n
     """Wide numbers as an array of elements of the field K."""
     if K == RR:
         return np.array(values, dtype=np.float64)
-    result: np.ndarray = np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
-    return result
+    return np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
 
 
 class BodyCarrier(Carrier):

@@ -75,16 +75,13 @@ class ShortRuns:
         self.panels = 0
 
     def at(self, times: np.ndarray) -> RowsAndTimes | None:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         return self._run(times, self._rolls, False)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
-        """γ and M side by side at values of τ: shape (N, 6)."""
         found = self._run(tau, False, False)
         return None if found is None else found[0]
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
-        """The physical times t(τ) at values of τ: shape (N,)."""
         found = self._run(tau, False, True)
         return None if found is None else found[1]
 
@@ -219,8 +216,7 @@ def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.n
     contain a node (Berrut & Trefethen 2004, 3.3).
     """
     apart = places[:, None] - nodes
-    found: np.ndarray = np.prod(apart, axis=1)[:, None] * weights / apart
-    return found
+    return np.prod(apart, axis=1)[:, None] * weights / apart
 
 
 @cache

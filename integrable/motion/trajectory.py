@@ -66,15 +66,15 @@ class Motion(Immutable):
         If a row cannot be computed, the call raises PrecisionLoss or Infeasible. With ``strict=False`` the other rows
         are kept; see :attr:`Trajectory.status` and :attr:`Trajectory.reasons`.
         """
-        return self._run(self._checked(times, "times"), flag(strict, "strict"), physical=True)
+        return self._run(times_in(self.system.field, times, "times"), flag(strict, "strict"), physical=True)
 
     def at_tau(self, tau: Numbers, *, strict: bool = True) -> Trajectory:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0); ``strict`` as for :meth:`at`."""
-        return self._run(self._checked(tau, "tau"), flag(strict, "strict"), physical=False)
+        return self._run(times_in(self.system.field, tau, "tau"), flag(strict, "strict"), physical=False)
 
     def physical_time(self, tau: Numbers) -> Times:
         """t(τ) = ∫_0^τ dτ/g for an array of τ."""
-        given = self._checked(tau, "tau")
+        given = times_in(self.system.field, tau, "tau")
         if not self.system.body.rolls:
             return given
         return InOrder(self._ways).first(lambda way: way.times(given))
@@ -126,9 +126,6 @@ class Motion(Immutable):
         return Trajectory(
             self, times, found.tau if physical else given, found.rows, way.way, found.status, found.reasons
         )
-
-    def _checked(self, values: Numbers, argument: str) -> np.ndarray:
-        return times_in(self.system.body.field, values, argument)
 
 
 def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:

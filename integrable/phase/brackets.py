@@ -60,12 +60,11 @@ def ball_matrix(body: Body, gamma: Vector, M: Vector, g: object = None) -> Matri
 def weighted_matrix(K: Field, weights: Sequence[Real]) -> Matrix:
     """The 4×4 matrix of the bracket {u_i, p_j} = w_iδ_ij on (u1, u2, p1, p2)."""
     (first, second), zero = weights, K.zero
-    minus = K.neg(first), K.neg(second)
     return (
         (zero, zero, first, zero),
         (zero, zero, zero, second),
-        (minus[0], *[zero] * 3),
-        (zero, minus[1], zero, zero),
+        (K.neg(first), zero, zero, zero),
+        (zero, K.neg(second), zero, zero),
     )
 
 
@@ -164,18 +163,15 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
     They are equal if the step is a Poisson map. ``step`` is a function of (system, state), or a Step with
     ``.over(system)`` as in :mod:`integrable.steps.translation`.
     """
-
     state = system._checked(state)
     if not (hasattr(step, "over") or callable(step)):
         raise ArgumentError(f"step = {shown(step)}: give a Step or a function of (system, state)")
 
-    def image(moved: PhaseSpace, x: State) -> Sequence[Real]:
-        y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
-        return y.row
+    def image(moved: PhaseSpace, x: State) -> State:
+        return step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
 
-    brackets = pushed(system.field, differential(system, image, state), system.poisson(state))
-    target = step(state) if hasattr(step, "over") else step(system, state)
-    return brackets, system.poisson(target)
+    rows = differential(system, lambda moved, x: image(moved, x).row, state)
+    return pushed(system.field, rows, system.poisson(state)), system.poisson(image(system, state))
 
 
 # --- identities of a structure

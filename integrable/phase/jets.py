@@ -87,8 +87,7 @@ class Jet:
         return self
 
     def __pow__(self, exponent: int) -> Jet:
-        found: Jet = natural_power(self.field, self if exponent >= 0 else self.field.inv(self), abs(exponent))
-        return found
+        return natural_power(self.field, self if exponent >= 0 else self.field.inv(self), abs(exponent))
 
 
 class JetField:

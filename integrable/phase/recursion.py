@@ -37,8 +37,7 @@ def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real,
 
 def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
     """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij."""
-    values = eigenvalues(body, point)
-    return weighted_matrix(body.field, values)
+    return weighted_matrix(body.field, eigenvalues(body, point))
 
 
 def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:

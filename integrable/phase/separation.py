@@ -86,23 +86,23 @@ def _roots(K: Any, u: poly.Poly) -> Two:
 def separated_to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
     """The divisor (U, V) of (u, p): U has the roots u_k, and V(u_k) = φ(u_k)p_k. NotRepresentable where u1 = u2."""
     K = body.field
-    u, v = line_through(K, point.u, [K.mul(phi(body, x), p) for x, p in zip(*point, strict=True)])
+    u, v = line_through(K, [(x, K.mul(phi(body, x), p)) for x, p in zip(*point, strict=True)])
     return u, poly.trim(K, v) if K.exact else v
 
 
 def integrals(body: Body, point: Separated) -> Two:
     """The integrals (H1, H2) at (u, p): the solution of φ(u_k)p_k² = H1 − u_k H2 for k = 1, 2."""
     K = body.field
-    squares = [K.mul(phi(body, x), K.mul(p, p)) for x, p in zip(*point, strict=True)]
-    h1, slope = line_through(K, point.u, squares)[1]
+    h1, slope = line_through(K, [(x, K.mul(phi(body, x), K.mul(p, p))) for x, p in zip(*point, strict=True)])[1]
     return h1, K.neg(slope)
 
 
-def line_through(K: Field, u: Two, y: Sequence[Real]) -> tuple[poly.Poly, poly.Poly]:
-    """:func:`poly.through` of the points (u_k, y_k); NotRepresentable where u1 = u2."""
-    if u[0] == u[1]:
-        raise NotRepresentable(f"u1 = u2 = {written(u[0])}: (u, p) are no coordinates there; use the divisor")
-    return poly.through(K, list(zip(u, y, strict=True)))
+def line_through(K: Field, points: Sequence[tuple[Real, Real]]) -> tuple[poly.Poly, poly.Poly]:
+    """:func:`poly.through` two points (u_k, y_k); NotRepresentable where u1 = u2."""
+    (u1, _), (u2, _) = points
+    if u1 == u2:
+        raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
+    return poly.through(K, points)
 
 
 def from_separated(body: Body, point: Separated, like: State | None = None) -> State:

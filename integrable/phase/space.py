@@ -10,16 +10,7 @@ from integrable.phase.made import Made
 from integrable.phase.state import State, check_state
 from jacobian import Field, poly
 from jacobian.element import Element, Value
-from jacobian.errors import (
-    ArgumentError,
-    NotASquare,
-    NotRepresentable,
-    PrecisionLoss,
-    entries,
-    flag,
-    shown,
-    written,
-)
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, entries, flag, shown, written
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -178,8 +169,7 @@ class PhaseSpace(Made, Generic[Element]):
         """The group of the motion: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
         curve = self.curve(h1, h2)
         if self.body.rolls:
-            jacobian: Jacobian[Element] = curve.jacobian()
-            return jacobian
+            return curve.jacobian()
         from jacobian.relatives.glued import GeneralizedJacobian
 
         return GeneralizedJacobian(curve)

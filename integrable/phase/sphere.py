@@ -31,13 +31,12 @@ def _phi(K: Field, a: tuple[Real, Real, Real], x: Real) -> Real:
 
 def momentum_line(K: Field, a: tuple[Real, Real, Real], point: Separated) -> poly.Poly:
     """The line through the two points (u_k, φ(u_k)p_k), as two coefficients; NotRepresentable where u1 = u2."""
-    return line_through(K, point.u, [K.mul(_phi(K, a, x), p) for x, p in zip(*point, strict=True)])[1]
+    return line_through(K, [(x, K.mul(_phi(K, a, x), p)) for x, p in zip(*point, strict=True)])[1]
 
 
 def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
     """The integrals (H1, H2) at (u, p), from φ(u_k)p_k² = H1·u_k + H2 for k = 1, 2."""
-    squares = [K.mul(_phi(K, a, x), K.mul(p, p)) for x, p in zip(*point, strict=True)]
-    h2, h1 = line_through(K, point.u, squares)[1]
+    h2, h1 = line_through(K, [(x, K.mul(_phi(K, a, x), K.mul(p, p))) for x, p in zip(*point, strict=True)])[1]
     return h1, h2
 
 

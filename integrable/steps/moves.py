@@ -44,8 +44,7 @@ class Move(Step):
         if not self.system._checked(state).tilted:
             return self._image(state)
         step, plain, change = self._transformed(state)
-        image: State = change.invert(step._image(plain))
-        return image
+        return change.invert(step._image(plain))
 
     def _transformed(self, state: State) -> tuple[Move, State, ChaplyginTransformation]:
         """The map of the upright body of a tilted state, that body's state, and the transformation."""
@@ -200,11 +199,12 @@ class ConicStep(Move):
         h1, h2 = system.integrals(state)[2:]
         check_moving(K, h2)
         y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
-        below = poly.evaluate(K, u, self.x0)
-        lost_above = abs(y0) + sum(abs(c * self.x0**i) for i, c in enumerate(v))
-        lost_below = sum(abs(c * self.x0**i) for i, c in enumerate(u)) * abs(y0 - poly.evaluate(K, v, self.x0))
-        size = abs(below) * h2**0.5 + abs(y0 - poly.evaluate(K, v, self.x0))
-        return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
+        # c = (y0 − V(x0))/U(x0)
+        above, below = (abs(x) for x in (y0 - poly.evaluate(K, v, self.x0), poly.evaluate(K, u, self.x0)))
+        size = above + below * h2**0.5
+        if not (below and size):
+            return LARGEST
+        return float((abs(y0) + poly.size_at(v, self.x0) + poly.size_at(u, self.x0) * above / below) / size)
 
     def _image(self, state: State) -> State:
         """The image of an upright state. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""
