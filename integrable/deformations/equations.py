@@ -70,7 +70,7 @@ class Integration:
 
 
 class NearWalk(Integration):
-    """The states near the start, by a compiled walk that takes no longer than ``cost``."""
+    """The states near the start by a compiled walk, if it costs at most ``cost``: that of the next way."""
 
     def __init__(self, motion: Motion, cost: Cost) -> None:
         self._motion, self._cost = motion, cost

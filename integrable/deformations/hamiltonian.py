@@ -52,7 +52,9 @@ class DeformedIntegrals(NamedTuple, Generic[Element]):
 
 
 class Isometry(NamedTuple):
-    """H of a check or hat pair is ``factor``·H̃ of the tilde ``pair`` at the lift by B = diag(√``squares``)."""
+    """The isometry of a check or hat pair to a tilde ``pair``: H(γ, M) = ``factor``·H̃(γ', M'), where (γ', M') is the
+    cotangent lift of γ ↦ Bγ/|Bγ|, B² = diag(``squares``).
+    """
 
     squares: Vector
     factor: Real

@@ -76,13 +76,13 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
             return [abs((a - b).astype(float)).max(axis=1) / size for a, b, size in pairs]
 
         found = difference(change)
-        if field == RR and (largest := max(x.max() for x in found)) > LINEAR:
+        if field == RR and (largest := max(x.max(initial=0) for x in found)) > LINEAR:
             change *= max(LINEAR / 100 / largest, 1e-6)
             found = difference(change)
         gamma += found[0] / change
         M += found[1] / change
-        parts[name] = float(found[0].max() / change)
-    return Conditioning(float(gamma.max()), float(M.max()), parts)
+        parts[name] = float(found[0].max(initial=0) / change)
+    return Conditioning(float(gamma.max(initial=0)), float(M.max(initial=0)), parts)
 
 
 def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[float | np.ndarray]:
