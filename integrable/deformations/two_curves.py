@@ -91,8 +91,8 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     K, body = system.field, system.body
     like = None if like is None else lifted(given, like)
     known_pairs = (None,) * 3 if like is None else _image(system, like).pairs
-    rows = [_on_curve(system, *named) for named in zip(points._fields, points, strict=True)]
-    u, y, lambdas = ([row[i] for row in rows] for i in range(3))
+    named = zip(points._fields, points, strict=True)
+    u, y, lambdas = zip(*(_on_curve(system, name, D) for name, D in named), strict=True)
     gap = K.sub(u[1], u[0])
     if gap == K.zero:
         raise NotRepresentable(f"ũ1 = ũ2 = {written(u[0])}: M is infinite there, and no state has both points")
@@ -157,8 +157,8 @@ def _image(system: Hamiltonian, state: State) -> _Image:
     if len(u) == 1:
         raise NotRepresentable(f"ũ1 = ũ2 = {u[0]}: the two curves are one")
     lambdas = [K.sub(h1, K.mul(x, h2)) for x in u]
-    order = [0, 1] if _first(K, *lambdas) else [1, 0]
-    u, lambdas = [u[k] for k in order], [lambdas[k] for k in order]
+    if not _first(K, *lambdas):
+        u, lambdas = u[::-1], lambdas[::-1]
     pairs = _pairs(system, state, w, h2)
     y = []
     for x in u:

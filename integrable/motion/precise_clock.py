@@ -137,7 +137,6 @@ class PanelClock(RatePanels):
         self._most = limits.most
         self._use(self._node_count(self._digits_a_node(1)))
         self._long: tuple[Nodes, list[Real]] | None = None
-        self._far: list[Real] = []
 
     def place(self, t: Real) -> tuple[int, Real]:
         """The place at which the clock shows t ≥ 0."""
@@ -170,7 +169,8 @@ class PanelClock(RatePanels):
         self._means: dict[int, Real] = {}
         # t at the upper ends of the cells −1, 0, 1, …
         self._ends: list[Real] = []
-        self._far = []
+        # t at the ends of long panels
+        self._far: list[Real] = []
 
     # --- the integral
 
