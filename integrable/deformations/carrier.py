@@ -2,15 +2,15 @@
 
 For n requested digits a motion is computed with GUARD_DIGITS more, plus the digits of the number of periods in the
 time. Further loss is measured on every call: by the integrals of each state, by the farthest state computed again with
-more digits, which also checks the signs, and by the state at τ = 0. If k digits are missing, everything is repeated
-with k more; PrecisionLoss if this does not help.
+more digits, which also checks the signs of γ and M, and by the state at τ = 0. If k digits are missing, everything is
+repeated with k more; PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, log2
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.oval import Pace, height
@@ -19,15 +19,13 @@ from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector
 from integrable.phase.precisions import long_digits
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.state import State, onto_constraints, state_of_row
 from jacobian.element import FormulaField, Real
 from jacobian.errors import PrecisionLoss, shown, written
 from jacobian.inexact.long_field import LongField
 
 if TYPE_CHECKING:
     from integrable.motion.precise import Compute, Found
-
-__all__ = ["GUARD_DIGITS", "CurvesCarrier", "OnCurves", "widened"]
 
 GUARD_DIGITS = 18
 ROUNDING = 6
@@ -43,15 +41,14 @@ class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M). Its methods
     are called inside ``with field``, which :class:`OnCurves` enters.
 
-    ``system`` and ``start`` are over long numbers, ``before`` are H and K there. ``inner`` and ``origin`` are the same
-    with the axes in ascending ``order`` of the moments of the tilde pair; M is reversed there if this order is an odd
-    permutation. Changes of H and K are relative to ``sizes``, and the error of M to ``momentum`` if M = 0. A point
-    moves on each of ``curves`` for the time ``speed``·τ; from both, and from the constants ``frame``, :meth:`read`
-    computes the state of ``inner``. ``pace`` is dt/dτ if d ≠ 0.
+    ``system`` and ``start`` are over long numbers, and ``before`` are H and K of ``start``. ``inner`` and ``origin``
+    are the same system and state with the axes in ascending ``order`` of the moments of the tilde pair; M changes its
+    sign if this order is an odd permutation. Changes of H and K are relative to ``sizes``. A point moves on each of
+    ``curves`` for the time ``speed``·τ; from both points, and from the constants ``frame``, :meth:`read` computes the
+    state of ``inner``. ``pace`` is dt/dτ if d ≠ 0.
     """
 
     sizes: tuple[Real, Real]
-    momentum: Real = 1
     curves: Sequence[EllipticOval]
     levels: Sequence[Sequence[Real]]
     """z at e₁, e₂ and e₃ of each curve, and 1/scale (:mod:`integrable.deformations.oval`)."""
@@ -69,8 +66,8 @@ class CurvesCarrier(Carrier):
         self.order = sorted(range(3), key=lambda i: inertia[i])
         self.side = -1 if self.order in ([0, 2, 1], [1, 0, 2], [2, 1, 0]) else 1
         self.inner = system if self.order == [0, 1, 2] else with_axes(system, self.order)
-        gamma, M = ([vector[i] for i in self.order] for vector in state.vectors)
-        self.origin = State((gamma[0], gamma[1], gamma[2]), (self.side * M[0], self.side * M[1], self.side * M[2]))
+        gamma, M = state.vectors
+        self.origin = state_of_row([*(gamma[i] for i in self.order), *(self.side * M[i] for i in self.order)])
 
     @staticmethod
     def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:
@@ -108,15 +105,8 @@ class CurvesCarrier(Carrier):
         first, second = ((*r, height(levels, r)) for r, levels in zip(roots, self.levels, strict=True))
         return self.read(self.field, self.inner, self.frame, first, second)
 
-    def scaled(self, t: Real) -> Real:
-        return self.field.coerce(t)
-
     def lost(self, tau: Real) -> int:
         return ceil((self.field.exponent(1 + self.turns(tau)) or 0) / log2(10))
-
-    def vectors(self, point: GammaM) -> GammaM:
-        gamma, M = point
-        return gamma, M
 
     def drift(self, points: list[GammaM]) -> int:
         worst = -NOTHING
@@ -125,18 +115,9 @@ class CurvesCarrier(Carrier):
             worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in rows))
         return worst
 
-    def gap(self, point: GammaM, truth: CurvesCarrier, tau: Real) -> int:
+    def gap(self, point: GammaM, truth: Self, tau: Real) -> int:
         with truth.field:
-            return truth.difference(point, truth.point(truth.field.coerce(tau)))
-
-    def difference(self, row: tuple[Sequence[Real], Sequence[Real]], truth: GammaM) -> int:
-        """The decimal exponent of the relative difference of (γ, M) from a more accurate computation, ``truth``."""
-        worst = -NOTHING
-        for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
-            size = max(map(abs, right)) or unit
-            gap = max(abs(self.field.coerce(x) - y) for x, y in zip(found, right, strict=True))
-            worst = max(worst, digits_of(gap / size))
-        return worst
+            return super().gap(point, truth, truth.field.coerce(tau))
 
 
 class OnCurves(ManyDigits):
@@ -148,9 +129,9 @@ class OnCurves(ManyDigits):
 
     def __init__(self, system: Hamiltonian, state: State, made: type[CurvesCarrier]) -> None:
         self._system, self._state, self._made = system, state, made
-        asked = long_digits(system.field)
-        self.digits = asked
-        super().__init__(asked, self.carrier_of(asked))
+        # carrier_of, called here, reads the attribute
+        self.digits = long_digits(system.field)
+        super().__init__(self.digits, self.carrier_of(self.digits))
 
     def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
         def inside(carrier: Carrier, scaled: list[Real]) -> tuple[Found, int] | None:
@@ -184,6 +165,6 @@ def with_axes(system: Any, order: Sequence[int]) -> Any:
 
 
 def widened(system: Hamiltonian, state: State, numbers: Any) -> tuple[Any, State]:
-    """The same system and state over a field of more digits, with the state projected onto its constraints."""
+    """The same system and state over a field of more digits, with the state projected onto the constraints."""
     wide = system.over(numbers)
     return wide, onto_constraints(wide, state)

@@ -24,7 +24,7 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
 
-# floats lose no essential digits of a λ_k that exceeds this fraction of the terms of which it is the sum
+# in floats a λ_k has several correct digits if it exceeds this fraction of the terms of which it is the sum
 ORDINARY = 1e-6
 
 

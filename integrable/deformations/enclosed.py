@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, log
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
@@ -65,7 +65,7 @@ def enclosed_states(system: Hamiltonian, state: State, given: list[Real], digits
 
 def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int, in_tau: bool) -> list[Row]:
     """The rows at times of one sign in ascending size, computed with as many bits as they need."""
-    # the bits that balls lose grow with time; the bits by which M outgrows its unit do not
+    # balls lose bits with time; the bits by which M outgrows its unit, |M| at the start, do not grow with time
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS, in_tau).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
@@ -80,18 +80,6 @@ def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int, i
         f"times: no balls of radius 1e-{written(digits)} were reached at t = {written(times[-1])} with {bits} bits; "
         "ask for fewer digits"
     )
-
-
-class _Around(NamedTuple):
-    """The motion around the time ``now``: its Taylor series, and a disc of times with the given ``radius``.
-
-    On the disc no coordinate moves by more than its ``reach``.
-    """
-
-    now: arb
-    series: list[arb]
-    radius: float
-    reach: list[arb]
 
 
 class _March:
@@ -124,18 +112,18 @@ class _March:
         found: list[Row] = []
         least = self._flint.arb(10) ** -digits
         progress = Progress(f"enclosing the motion to t = {written(times[-1])}", abs(float(times[-1])))
-        around = self._around(0.0)
+        self._expand(0.0)
         for time in map(self.reals.number, times):
-            while abs(time - around.now) > STEP * around.radius:
-                step = self._flint.arb(STEP * around.radius)
+            while abs(time - self._now) > STEP * self._radius:
+                step = self._flint.arb(STEP * self._radius)
                 step = step if time > 0 else -step
-                self._point, self._now = self._at(around, step), around.now + step
+                self._point, self._now = self._at(step), self._now + step
                 if not widest((self._point[:3], 1), (self._point[3:6], self._momentum)) < least:
                     return found
                 self._check(times[-1])
-                progress.add(STEP * around.radius)
-                around = self._around(1.5 * around.radius)
-            point = self._at(around, time - around.now)
+                progress.add(STEP * self._radius)
+                self._expand(1.5 * self._radius)
+            point = self._at(time - self._now)
             gamma, M = point[:3], point[3:6]
             width = widest((gamma, 1), (M, self._momentum))
             if not width < least:
@@ -168,19 +156,21 @@ class _March:
 
     # --- one step
 
-    def _around(self, radius: float) -> _Around:
-        """The motion around the present time; ``radius`` is a first guess of the radius of its disc, 0 for no guess."""
-        radius, reach = self._disc(radius)
-        return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
+    def _expand(self, guess: float) -> None:
+        """Makes the Taylor series about the present time and its disc, on which no coordinate moves by more than its
+        reach; ``guess`` is a first radius of the disc, 0 for none.
+        """
+        self._radius, self._reach = self._disc(guess)
+        self._taylor = self._series(self._point, self._order, self._flint.arb)
 
-    def _at(self, around: _Around, distance: arb) -> list[arb]:
+    def _at(self, distance: arb) -> list[arb]:
         """The point ``distance`` later: the value of the series, widened by Cauchy's bound on the remainder."""
         count = len(self._point)
         found = [self.reals.number(0)] * count
-        values_at(distance, self._order, around.series, count, found, 0)
-        part = (abs(distance) / around.radius).abs_upper()
+        values_at(distance, self._order, self._taylor, count, found, 0)
+        part = (abs(distance) / self._radius).abs_upper()
         tail = part ** (self._order + 1) / (1 - part)
-        return [widened(x, tail * size) for x, size in zip(found, around.reach, strict=True)]
+        return [widened(x, tail * size) for x, size in zip(found, self._reach, strict=True)]
 
     def _series(self, point: Sequence[arb | acb], order: int, kind: type[arb | acb]) -> list[arb | acb]:
         """The Taylor coefficients of all nodes of the tape about a point; ``kind`` is the type, arb or acb."""

@@ -1,6 +1,7 @@
-"""The equations of motion of a deformation as a formula, and their integration near the start.
+"""The equations of motion of a deformation as a formula, and walks: their compiled integration near the start.
 
-A walk is such an integration by Taylor series, compiled for a kind of systems (:mod:`integrable.series.kinds`).
+A walk by Taylor series is compiled once for all systems whose equations have the same terms
+(:mod:`integrable.series.kinds`).
 """
 
 from __future__ import annotations
@@ -13,15 +14,13 @@ import numpy as np
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.scalars import dot
 from integrable.motion.trajectory import Motion
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.state import onto_constraints, state_of_row
 from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.symbols import Symbol
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.immutable import made_once
-
-__all__ = ["NearWalk", "right_hand_sides"]
 
 # costs of states in microseconds: by theta functions, without and with repelling poles, and by integration (python -m
 # benchmarks near)
@@ -36,8 +35,7 @@ def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[R
     rolls = system.body.rolls
 
     def right_hand_side(y: Sequence[Real]) -> list[Real]:
-        rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        moved = [*rate.row]
+        moved = [*system.vector_field(state_of_row(y[:6])).row]
         if not rolls:
             return moved
         slow = dot(system.body.contact, [x * x for x in y[:3]]) ** (system.field.one / 2)
@@ -72,7 +70,7 @@ class Integration:
 
 
 class NearWalk(Integration):
-    """The states near the start, by a compiled walk that takes no longer than ``cost``."""
+    """The states near the start by a compiled walk, if it costs at most ``cost``: that of the next way."""
 
     def __init__(self, motion: Motion, cost: Cost) -> None:
         self._motion, self._cost = motion, cost
@@ -96,9 +94,9 @@ class NearWalk(Integration):
 
 
 def kind_in(system: Hamiltonian, physical: bool) -> Kind:
-    """The compiled walks of systems of the kind of ``system``, in t if ``physical``, otherwise in τ."""
+    """The compiled walks, in t if ``physical``, otherwise in τ, of all systems with the equations of ``system``."""
     physical = physical or not system.body.rolls
-    # terms with constant 0 are omitted, because they may divide by quantities that vanish
+    # a term whose constant is 0 is left out, because it may divide by a quantity that vanishes
     there = tuple(map(bool, system.constants))
     return made_once(("walks", type(system), physical, there), lambda: _made_kind(system, physical, there))
 
@@ -108,7 +106,7 @@ def _made_kind(system: Hamiltonian, physical: bool, there: Sequence[bool]) -> Ki
     count = 9 if system.body.rolls else 6
 
     def start(N: Any, y: Sequence[Real]) -> list[Real]:
-        inner = onto_constraints(system._of_constants(N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        inner = onto_constraints(system._of_constants(N, symbols), state_of_row(y[:6]))
         return [*inner.row, *y[6:]]
 
     def moved(N: Any, y: Sequence[Real]) -> list[Real]:

@@ -16,7 +16,7 @@ from integrable.deformations.scalars import Potential, RateTerms, Scalars, dot, 
 from integrable.phase.body import Body, Vector, finite_floats
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
-from integrable.phase.state import State, check_state
+from integrable.phase.state import State, check_state, state_of_row
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
 from jacobian.element import Element, Real, Value
@@ -52,7 +52,9 @@ class DeformedIntegrals(NamedTuple, Generic[Element]):
 
 
 class Isometry(NamedTuple):
-    """H of a check or hat pair is ``factor``·H̃ of the tilde ``pair`` at the lift by B = diag(√``squares``)."""
+    """The isometry of a check or hat pair to a tilde ``pair``: H(γ, M) = ``factor``·H̃(γ', M'), where (γ', M') is the
+    cotangent lift of γ ↦ Bγ/|Bγ|, B² = diag(``squares``).
+    """
 
     squares: Vector
     factor: Real
@@ -60,9 +62,8 @@ class Isometry(NamedTuple):
 
 
 class Hamiltonian(Made):
-    """The states, integrals and equations of motion of a deformation.
-
-    It is the base class of :class:`integrable.deformations.deformation.Deformation`.
+    """The states, integrals and equations of motion of a deformation: base of
+    :class:`integrable.deformations.deformation.Deformation`.
     """
 
     rigid: ChaplyginBall
@@ -102,9 +103,8 @@ class Hamiltonian(Made):
     @quick_property
     def constants(self) -> tuple[Any, ...]:
         """The moments and d, then the five numbers of a potential, then further constants."""
-        body, potential = self.body, self.potential
-        terms = () if potential is None else (potential.a, potential.b, *potential.poles)
-        return (*body.inertia, body.d, *terms, *[getattr(self, name) for name in self.further])
+        further = [getattr(self, name) for name in self.further]
+        return (*self.body.inertia, self.body.d, *(self.potential or ()), *further)
 
     def _of_constants(self, field: Field, values: Sequence[Any]) -> Self:
         """The system of the same kind with the :attr:`constants` ``values``, unchecked elements of ``field``."""
@@ -114,8 +114,7 @@ class Hamiltonian(Made):
     def _with(self, body: Body, rest: Sequence[Real]) -> Self:
         potential = self.potential
         if potential is not None:
-            a, b, x, y, z, *rest = rest
-            potential = Potential(a, b, (x, y, z))
+            potential, rest = Potential(*rest[:5]), rest[5:]
         further, rigid = dict(zip(self.further, rest, strict=True)), ChaplyginBall._of(body)
         return replaced(self, rigid=rigid, body=body, field=body.field, potential=potential, **further)
 
@@ -166,15 +165,14 @@ class Hamiltonian(Made):
         import numpy as np
 
         jets = JetField(self.field, 6)
-        g1, g2, g3, m1, m2, m3 = jets.variables(self._checked(state).row)
+        state = state_of_row(jets.variables(self._checked(state).row))
         system = self._of_constants(jets, [*map(jets.constant, self.constants)])
-        rates = system._rates(State((g1, g2, g3), (m1, m2, m3))).row
+        rates = system._rates(state).row
         return np.array([jets.coerce(x).slopes for x in rates], dtype=float if self.field == RR else object)
 
     def rates_in(self, numbers: Field, y: Sequence[Real]) -> list[Real]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""
-        rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return [*rate.row]
+        return [*self.over(numbers)._rates(state_of_row(y)).row]
 
     def _rates(self, state: State) -> State:
         wrap = self._constants()
@@ -184,9 +182,8 @@ class Hamiltonian(Made):
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]
         if self.field.exact:
-            rate, momentum = ([x.value for x in v] for v in (rate, momentum))
-        (x1, x2, x3), (m1, m2, m3) = rate, momentum
-        return State((x1, x2, x3), (m1, m2, m3))
+            return state_of_row([x.value for x in (*rate, *momentum)])
+        return state_of_row((*rate, *momentum))
 
     @property
     def repels(self) -> bool:
@@ -243,10 +240,7 @@ class Hamiltonian(Made):
         return Scalars([wrap(x) for x in self.a], wrap(self.d), tuple(gamma), tuple(M))
 
     def _terms(self, wrap: Any) -> Potential | None:
-        if self.potential is None:
-            return None
-        a, b, poles = self.potential
-        return Potential(wrap(a), wrap(b), tuple(map(wrap, poles)))
+        return None if self.potential is None else Potential(*map(wrap, self.potential))
 
     def _slope(self, state: State) -> tuple[Real, ...]:
         """The gradient ∂V/∂γ."""
@@ -262,17 +256,14 @@ class Hamiltonian(Made):
     @property
     def arguments(self) -> dict[str, object]:
         offset = {"d": self.d} if self.body.rolls else {}
-        terms = self.potential
-        return {"inertia": self.body.inertia, **offset} | (
-            {} if terms is None else {"potential": (terms.a, terms.b, *terms.poles)}
-        )
+        terms = {} if self.potential is None else {"potential": tuple(self.potential)}
+        return {"inertia": self.body.inertia, **offset, **terms}
 
 
 def _potential(field: Field, values: Sequence[Value]) -> Potential:
     if field is RR and finite_floats(values) and len(values) == 5:
-        return Potential(*values[:2], values[2:])
+        return Potential(*values)
     given = list(values) if isinstance(values, (list, tuple)) else []
     if len(given) != 5:
         raise ArgumentError(f"potential = {shown(values)}: give five numbers (a, b, b_1, b_2, b_3)")
-    a, b, *rest = (field.coerce(x, f"potential[{i}]") for i, x in enumerate(given))
-    return Potential(a, b, tuple(rest))
+    return Potential(*(field.coerce(x, f"potential[{i}]") for i, x in enumerate(given)))

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Self
 
 from integrable.motion.trajectory import Motion, Trajectory
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.state import onto_constraints, state_of_row
 from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Real
@@ -18,11 +18,9 @@ if TYPE_CHECKING:
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.differences import Inputs
 
-__all__ = ["HamiltonianMotion"]
-
 
 class HamiltonianMotion(Motion, StateFlow[Trajectory]):
-    """The base class of the motions of deformations, which the curves or the equations of motion give."""
+    """The base class of the motions of deformations, on elliptic curves or by integration."""
 
     _vectors, _unit = ("γ", "M"), 1
 
@@ -36,19 +34,19 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
         return *self.state.row, *self.system.constants
 
     def _through(self, numbers: Iterable[Real], field: Any) -> Self:
-        g1, g2, g3, m1, m2, m3, *constants = map(field.coerce, numbers)
-        system = self.system._of_constants(field, constants)
-        return type(self)(system, onto_constraints(system, State((g1, g2, g3), (m1, m2, m3))))
+        values = [*map(field.coerce, numbers)]
+        system = self.system._of_constants(field, values[6:])
+        return type(self)(system, onto_constraints(system, state_of_row(values[:6])))
 
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
         from integrable.portrait.differences import Inputs
         from integrable.portrait.sensitivity import COLUMNS
 
         system, M = self.system, float(max(map(abs, self.state.vectors[1])))
-        # a body at rest has no M, but the potential has a rate
+        # a body at rest gives no unit of M; the fastest rate that the potential causes gives one
         M = M or (self._fastest or 1.0) / float(max(system.a)) ** system.degree
         terms = () if system.potential is None else ("a", "b", "b1", "b2", "b3")
-        # a constant that is 0 leaves a term out, so that other values belong to systems of another kind
+        # a constant that is 0 is no input: other values would add a term to the equations
         sizes = (1, 1, 1, M, M, M, *map(abs, system.constants))
         names = zip((*COLUMNS, *terms, *system.further), sizes, strict=True)
         return Inputs(self._numbers, sizes), tuple(name for name, size in names if size)

@@ -18,7 +18,7 @@ from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.precisions import long_digits
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.state import State, onto_constraints, state_of_row
 from integrable.phase.ways import InOrder, Way
 from integrable.portrait.differences import Inputs
 from integrable.portrait.sensitivity import Sensitivity, in_field
@@ -130,8 +130,7 @@ class IntegratedStates(Integration):
         # the inputs meet the constraints only to their own digits
         begin = begin + (begin - first[:, :6] @ begin)
         for time, (rows, matrix) in zip(given, found, strict=True):
-            row = rows[:, 0].tolist()
-            rates = np.array(self._system.vector_field(State((row[0], row[1], row[2]), (row[3], row[4], row[5]))).row)
+            rates = np.array(self._system.vector_field(state_of_row(rows[:, 0].tolist())).row)
             gap = max(abs(matrix[:, :6] @ begin - rates)) / max(abs(matrix[:, :6] * begin).ravel())
             missing = digits_of(gap) + self._asked
             if missing > 0:
@@ -147,12 +146,12 @@ class IntegratedStates(Integration):
         jets = JetField(wide, 1)
         y = [Jet(jets, wide.coerce(x), (wide.one if i == k else wide.zero,)) for i, x in enumerate(numbers)]
         system = self._system._of_constants(jets, y[6:])
-        start = onto_constraints(system, State((y[0], y[1], y[2]), (y[3], y[4], y[5]))).row
+        start = onto_constraints(system, state_of_row(y[:6])).row
         unit = wide.context.ldexp(wide.one, -exponent)
 
         def rates(y: Sequence[Real]) -> list[Real]:
-            a, b, c, d, e, f = (Jet(jets, x, (slope,)) for x, slope in zip(y[:6], y[6:], strict=True))
-            found = system._rates(State((a, b, c), (d, e, f))).row
+            state = state_of_row(Jet(jets, x, (slope,)) for x, slope in zip(y[:6], y[6:], strict=True))
+            found = system._rates(state).row
             return [unit * x for x in (*(jet.value for jet in found), *(jet.slopes[0] for jet in found))]
 
         begin = [*(jet.value for jet in start), *(jet.slopes[0] for jet in start)]
@@ -178,7 +177,9 @@ class IntegratedStates(Integration):
     def _missing(self, rows: list[list[Real]]) -> list[int]:
         """For each row, the number of digits that H and K lack; LOST_DIGITS fewer than requested are enough."""
         wanted = self._asked - LOST_DIGITS
-        (before, *moved), found = ([self._integrals(y) for y in points] for points in (self._nearby, rows))
+        (before, *moved), found = (
+            [self._system.integrals(state_of_row(y))[2:] for y in points] for points in (self._nearby, rows)
+        )
         # the error of F = H or K is measured relative to |F| + Σ|ΔF/part|, with the changes ΔF at nearby states
         part = self._system.field.coerce(PART)
         sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
@@ -191,8 +192,3 @@ class IntegratedStates(Integration):
         vectors, part = self._state.vectors, self._system.field.coerce(PART)
         units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
         return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
-
-    def _integrals(self, y: Sequence[Real]) -> tuple[Real, Real]:
-        """H and K at (γ, M)."""
-        found = self._system.integrals(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return found.H, found.K

@@ -47,7 +47,7 @@ class Check(IsometricDeformation):
         square = q.xi * q.xi
         energy, first, second = q.s * (q.m1 - q.s * q.m2) - 2 * square, q.s * q.m1 - square, square
         if potential is not None:
-            a, b, _ = potential
+            a, b, *_ = potential
             trace = q.e2 / q.e3
             energy = energy + self.potential_energy(q, potential)
             first = first + (a + b * (1 / (q.s * q.s) - trace / q.s - q.q2 / (q.e3 * q.s))) / q.s
@@ -57,7 +57,7 @@ class Check(IsometricDeformation):
         return energy, first * second
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Real:
-        a, b, _ = potential
+        a, b, *_ = potential
         inverse = 1 / q.s
         terms = poles(q, potential, lambda a1, a2, a3: (1 / a2 + 1 / a3 - 2 * inverse) * q.s / a1)
         energy: Real = a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
@@ -93,7 +93,7 @@ class Hat(IsometricDeformation):
         energy = alpha * q.m1 - (q.sigma + alpha * q.tau) * q.m2
         first, second = q.tau * q.m2 - q.m1, root * root
         if potential is not None:
-            (a, b, _), S, trace = potential, _slope(q), q.e2 / q.e3
+            (a, b, *_), S, trace = potential, _slope(q), q.e2 / q.e3
             energy = energy + self.potential_energy(q, potential)
             first = first - (a + b * (S * S - trace * S - 1 / q.sigma)) / q.sigma
             first = first + poles(q, potential, lambda _, a2, a3: 1 / (a2 * a3))
@@ -102,7 +102,7 @@ class Hat(IsometricDeformation):
         return energy, first * second
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Real:
-        (a, b, _), S = potential, _slope(q)
+        (a, b, *_), S = potential, _slope(q)
         terms = poles(q, potential, lambda _, a2, a3: (1 / a2 + 1 / a3 - 2 * S) * q.sigma / (a2 * a3))
         energy: Real = a * S + b * (S - q.e2 / q.e3) * S * S + terms
         return energy

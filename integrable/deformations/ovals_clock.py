@@ -52,7 +52,8 @@ class OvalsClock(LongClock):
         import flint
 
         with BallReals(self.wide.context.prec) as balls:
-            # each row beyond the first also stands for its conjugate, so the first is halved
+            # the modes with −m are the conjugates of those with m and are not stored: the sum is twice the real part of
+            # the stored rows, that of m = 0 being halved
             rows = [[c / 2 for c in self._modes.rows[0]], *self._modes.rows[1:]]
             turns = phases(self.wide.coerce(tau) / self._unit, self.frequencies, self.wide)
             angles = (2 * balls.number(x) for x in turns)

@@ -18,7 +18,6 @@ import numpy as np
 
 from integrable.deformations.carrier import CurvesCarrier, GammaM, OnCurves
 from integrable.deformations.oval import LIBRARY, Pace
-from integrable.mumford.columns import Column
 from integrable.mumford.elliptic_torus import OvalThetas
 from integrable.mumford.recorded import PairField, PointFormulas, flat, shaped
 from integrable.series.tape import recorded
@@ -63,12 +62,6 @@ class PackedCurves(NamedTuple):
     before: np.ndarray
     sizes: np.ndarray
 
-    @property
-    def rates(self) -> tuple[Column, Column]:
-        """The turns of either phase per unit of τ."""
-        first, second = (Column(*curve.numbers[0]) for curve in self.curves)
-        return first, second
-
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """R₁, R₂, R₃ and the height on each of the curves at values of τ, shape (8, N, 2)."""
         times, out = np.zeros((len(tau), 2)), np.empty((8, len(tau), 2))
@@ -98,7 +91,6 @@ class QuickStates:
         self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         carrier = self._many.carrier
         if not carrier.rolls:
             rows = self.at_tau(times)
@@ -107,7 +99,6 @@ class QuickStates:
             return self._timed(carrier, times) if len(times) else None
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
-        """γ and M at values of τ, shape (N, 6)."""
         carrier = self._many.carrier
         with carrier.field:
             if not len(tau) or not carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
@@ -141,12 +132,7 @@ class QuickStates:
         return None if rows is None else (rows, tau)
 
     def _quick(
-        self,
-        carrier: CurvesCarrier,
-        packed: PackedCurves,
-        points: np.ndarray,
-        far: int,
-        truth: GammaM,
+        self, carrier: CurvesCarrier, packed: PackedCurves, points: np.ndarray, far: int, truth: GammaM
     ) -> np.ndarray | None:
         """γ and M at points of the curves; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         found = packed.formulas.at(packed.fixed, points)
@@ -170,14 +156,16 @@ class QuickClock:
 
     def __init__(self, pace: Pace, packed: PackedCurves) -> None:
         loops, self._true_pace = CompiledLoops(), pace
-        turns = [float(rate.hi) for rate in packed.rates]
+        # the turns of either phase per unit of τ
+        rates = [curve.numbers[0] for curve in packed.curves]
+        turns = [float(high) for high, _ in rates]
         scale = SWIFT * 2 * np.pi * max(turns)
         given = partial(samples, pace, packed), grid_resolving(pace), MOST_SAMPLES
         self._spectrum = resolved_spectrum(loops, *given, turns, scale, NOISE)
-        mean = Column(*self._spectrum.values[0])
-        row = np.array([*((x.hi, x.lo) for x in (*packed.rates, mean)), loops.circle[0]])
+        mean = self._spectrum.values[0]
+        row = np.array([*rates, mean, loops.circle[0]])
         self.clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
-        self.paces = [nu / float(mean.hi) for nu in turns]
+        self.paces = [nu / float(mean[0]) for nu in turns]
 
     def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.

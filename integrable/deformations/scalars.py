@@ -85,11 +85,18 @@ class RateTerms(NamedTuple):
 
 
 class Potential(NamedTuple):
-    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, ``poles`` the factors of 1/γ_i²."""
+    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, and the factors b_i of 1/γ_i²."""
 
     a: Real
     b: Real
-    poles: tuple[Real, Real, Real]
+    b1: Real
+    b2: Real
+    b3: Real
+
+    @property
+    def poles(self) -> tuple[Real, Real, Real]:
+        """The b_i."""
+        return self[2:]
 
 
 def poles(q: Scalars, potential: Potential, term: Callable[[Real, Real, Real], Real]) -> Real:
@@ -104,7 +111,7 @@ def poles(q: Scalars, potential: Potential, term: Callable[[Real, Real, Real], R
 def dot(x: Sequence[Real], y: Sequence[Real]) -> Real:
     """Σ x_i y_i, for three components."""
     (x1, x2, x3), (y1, y2, y3) = x, y
-    # it begins with 0, as sum() does: recorded formulas keep their constants in this order
+    # the sum begins with 0, as that of sum() does; the order of the constants in recorded formulas depends on it
     return 0 + x1 * y1 + x2 * y2 + x3 * y3
 
 

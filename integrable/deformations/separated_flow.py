@@ -22,7 +22,7 @@ from integrable.moving_point.losses import digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Body, Vector, cross
 from integrable.phase.isometry import lift, roots
-from integrable.phase.state import State
+from integrable.phase.state import State, state_of_row
 from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.inexact.long_field import LongField
@@ -134,7 +134,7 @@ class OvalCarrier(CurvesCarrier):
         self.pace = Pace(self.field, body.d, self.curves, self.levels, weights)
 
     def _frame(self, e: Sequence[Real], slope: Sequence[Real], back: tuple[Real, ...]) -> FreeFrame:
-        """The constants of the states, with the sign 1 of γ and M."""
+        """The constants of the states, with 1 for the common sign of γ and M."""
         K, body = self.field, self.pair.body
         sizes = [r / K.sqrt(abs(c)) for r, c in zip(body.contact, body.differences, strict=True)]
         weights = [s * w for s, w in zip(_signs(self.curves, e, slope), sizes, strict=True)]
@@ -167,10 +167,6 @@ class OvalCarrier(CurvesCarrier):
 
     _clocks: OvalsClock | None = None
 
-    def times_of(self, time_of: TimeOf) -> list[Real]:
-        """The time on each curve from ``time_of``, for :meth:`SeparatedFlow.translated`."""
-        return [time_of(k, curve, mu) for k, (curve, mu) in enumerate(zip(self.curves, self.mu, strict=True))]
-
 
 class SeparatedFlow(DeformedFlow):
     """The motion of a tilde, check or hat pair without potential through a state; ``system.flow`` returns it.
@@ -189,22 +185,21 @@ class SeparatedFlow(DeformedFlow):
         many = self._many
 
         def compute(carrier: Any, _: object) -> tuple[Any, int] | None:
-            times = carrier.times_of(time_of)
+            times = list(map(time_of, range(2), carrier.curves, carrier.mu))
             if many.enough(max(map(abs, times)) / abs(carrier.speed)) is None:
                 return None
             moved = carrier.moved(times)
             return moved, carrier.drift([moved]) + many.digits
 
         moved = many.settled([], compute)
-        x1, x2, x3, m1, m2, m3 = self._curves.rows([moved])[0].tolist()
-        return State((x1, x2, x3), (m1, m2, m3))
+        return state_of_row(self._curves.rows([moved])[0].tolist())
 
 
 def check_distinct(body: Body) -> None:
     """Raises NotRepresentable if two moments of inertia are equal."""
     if any(c == 0 for c in body.differences):
         raise NotRepresentable(
-            "two moments of inertia are equal: the separated variables do not tell how γ turns; "
+            "two moments of inertia are equal: the separated variables do not determine γ; "
             "motion_through(state) integrates"
         )
 

@@ -25,8 +25,6 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 
-__all__ = ["integrate"]
-
 # the remaining steps are estimated after KNOWN_FROM steps; the estimate may be wrong by the factor UNEVEN
 KNOWN_FROM = 4
 UNEVEN = 4
@@ -122,9 +120,7 @@ def too_long(told: Row, most: float, now: float, end: float) -> bool:
 
 _TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(SeriesRoom, WIDES, WIDES, WIDES, FLOATS)
 LIBRARY = Library(
-    "taylor_series",
-    {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES))},
-    SPECIAL,
+    "taylor_series", {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES))}, SPECIAL
 )
 
 
@@ -233,16 +229,14 @@ def _marched(
 ) -> tuple[list[list[Real]], Exception | None]:
     """The variables at the times that were reached, and the error that describes why later times were not, or None."""
     loops, count = kind(field), len(start)
-    # a step of radius/e² neglects e^{-2·order}
+    # with steps of e⁻² times the radius of convergence, the neglected terms are of the size e^(−2·order)
     order = ceil(digits * log(10) / 2) + 2
     products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
     work = order * (order / 2 * products + len(tape.kinds)) + loops.overhead
     most = loops.most / work
     constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
-    packed, middles = (
-        loops.tape((tape.kinds, tape.left, tape.right, tape.results)),
-        loops.row([*start, *constants[count:]]),
-    )
+    packed = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
+    middles = loops.row([*start, *constants[count:]])
     room = SeriesRoom(middles, loops.room(1), loops.room(len(middles) * (order + 1)), np.zeros(4))
     out = loops.room(len(times) * count)
     status = loops.march(packed, order, -digits * log(10), most, strict, room, loops.row(times), out)

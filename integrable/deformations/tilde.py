@@ -47,7 +47,7 @@ class Tilde(Deformation):
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Real:
         energy: Real
-        a, b, _ = potential
+        a, b, *_ = potential
         if not self.body.rolls:
             terms = poles(q, potential, lambda _, a2, a3: a2 + a3 - 2 * q.s)
             energy = a * q.s + b * (q.s - q.e1) * q.s * q.s + terms
@@ -65,14 +65,14 @@ class Tilde(Deformation):
 
 def _free(q: Scalars, potential: Potential) -> Any:
     """The integral K with a potential at d = 0."""
-    a, b, _ = potential
+    a, b, *_ = potential
     first = q.m2 - a - b * (q.s * q.s - q.e1 * q.s - q.sigma) + poles(q, potential, lambda *_: 1)
     return first * (q.xi * q.xi - poles(q, potential, lambda _, a2, a3: (q.s - a2) * (q.s - a3)))
 
 
 def _rolling(q: Scalars, potential: Potential) -> Any:
     """The integral K with a potential at d ≠ 0."""
-    (a, b, _), d, G = potential, q.d, q.G
+    (a, b, *_), d, G = potential, q.d, q.G
     inverse = [1 / (1 - d * x) for x in q.a]
     trace, whole = sum(inverse), inverse[0] * inverse[1] * inverse[2]
     first = poles(q, potential, lambda _, a2, a3: (a2 + a3 - q.kappa) / G)

@@ -64,13 +64,18 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
     system, state = curves_of(system), lifted(system, state)
     image = _image(system, state)
     points = []
+    K = system.field
     for u, y, value in zip(image.u, image.y, image.lambdas, strict=True):
-        K, mu = system.field, _mu(system, value)
+        if value == K.zero:
+            raise NotRepresentable("λ = 0: K vanishes, and one of the two curves degenerates")
+        mu = K.mul(value, _contact(system))
         slow = K.sub(K.one, K.mul(system.d, u))
         if slow == K.zero:
             raise NotRepresentable(f"ũ = {u} = 1/d: the point is at infinity")
         z, v = K.div(K.mul(mu, u), slow), K.div(K.mul(mu, y), K.mul(slow, slow))
-        points.append(elliptic_curve_of(system, mu).jacobian().from_points([(z, v)]))
+        f = poly.from_roots(K, [K.div(mu, moment) for moment in system.body.inertia])
+        curve = HyperellipticCurve(K, poly.scale(K, poly.integer(K, 4), f))
+        points.append(curve.jacobian().from_points([(z, v)]))
     return TwoPoints(*points)
 
 
@@ -86,8 +91,8 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     K, body = system.field, system.body
     like = None if like is None else lifted(given, like)
     known_pairs = (None,) * 3 if like is None else _image(system, like).pairs
-    rows = [_on_curve(system, *named) for named in zip(points._fields, points, strict=True)]
-    u, y, lambdas = ([row[i] for row in rows] for i in range(3))
+    named = zip(points._fields, points, strict=True)
+    u, y, lambdas = zip(*(_on_curve(system, name, D) for name, D in named), strict=True)
     gap = K.sub(u[1], u[0])
     if gap == K.zero:
         raise NotRepresentable(f"ũ1 = ũ2 = {written(u[0])}: M is infinite there, and no state has both points")
@@ -120,23 +125,10 @@ def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Real, Real, R
     return K.div(z, rest), K.div(K.mul(v, K.mul(slow, slow)), mu), K.div(mu, _contact(system))
 
 
-def elliptic_curve_of(system: Hamiltonian, mu: Real) -> HyperellipticCurve:
-    """The elliptic curve Y² = 4Π(Z − μ/I_i)."""
-    K = system.field
-    f = poly.from_roots(K, [K.div(mu, moment) for moment in system.body.inertia])
-    return HyperellipticCurve(K, poly.scale(K, poly.integer(K, 4), f))
-
-
 def _contact(system: Hamiltonian) -> Real:
+    """Π(1 − da_i) = μ_k/λ_k."""
     K, r = system.field, system.body.contact
     return K.mul(r[0], K.mul(r[1], r[2]))
-
-
-def _mu(system: Hamiltonian, value: Real) -> Real:
-    K = system.field
-    if value == K.zero:
-        raise NotRepresentable("λ = 0: K vanishes, and one of the two curves degenerates")
-    return K.mul(value, _contact(system))
 
 
 def _mu_of(system: Hamiltonian, f: poly.Poly) -> Real:
@@ -165,8 +157,8 @@ def _image(system: Hamiltonian, state: State) -> _Image:
     if len(u) == 1:
         raise NotRepresentable(f"ũ1 = ũ2 = {u[0]}: the two curves are one")
     lambdas = [K.sub(h1, K.mul(x, h2)) for x in u]
-    order = [0, 1] if _first(K, *lambdas) else [1, 0]
-    u, lambdas = [u[k] for k in order], [lambdas[k] for k in order]
+    if not _first(K, *lambdas):
+        u, lambdas = u[::-1], lambdas[::-1]
     pairs = _pairs(system, state, w, h2)
     y = []
     for x in u:
@@ -187,9 +179,7 @@ def _first(K: Any, x: Any, y: Any) -> bool:
 def _pairs(system: Hamiltonian, state: State, w: Vector, h2: Real) -> tuple[Pair, ...]:
     """The pairs (w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i, with c such that (w, N) = 0."""
     K, body, (gamma, _) = system.field, system.body, state.vectors
-    g = K.one
-    if body.rolls:
-        g = coordinates.root_of_g(body, gamma) if state.g is None else state.g
+    g = coordinates.g_of(body, state) if body.rolls else K.one
     scaled = [K.mul(K.add(g, g), K.mul(r, x)) for r, x in zip(body.contact, gamma, strict=True)]
     lean = K.div(K.dot(w, scaled), h2)
     return tuple((x, K.sub(K.mul(lean, x), y)) for x, y in zip(w, scaled, strict=True))

@@ -13,8 +13,8 @@ from jacobian import MP
 from jacobian.element import Real
 from jacobian.fields.multiprecision import MultiprecisionField
 
-# spare digits in the estimate of :func:`_turns`
-BESIDE = 3
+# spare digits in the estimate of :func:`_digits_of_turns`
+SPARE = 3
 
 
 def finer(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
@@ -23,8 +23,8 @@ def finer(flow: Motion, times: list[Real], K: MultiprecisionField) -> Pairs:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # with two equal moments the clock has no torus, and its cost grows with the time; a body with slightly
-        # different moments has a torus
+        # a body with two equal moments has no torus for its clock, so that the cost grows with the time; a body with
+        # slightly different moments has one
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     precise = PreciseFlow(body, state, K.dps)
     return precise.vectors(precise.at(times)[1])
@@ -34,7 +34,7 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
     """γ and M of a ball with three equal moments: γ turns uniformly about L = M + dnγ, n = (γ, ω); L and n are
     constant.
     """
-    context = MP(K.dps + _turns(flow, time, K)).context
+    context = MP(K.dps + _digits_of_turns(flow, time, K)).context
     body, state = flow.system.body, flow.state
     inertia, d, *vectors = map(context.mpf, (body.inertia[0], body.d, *state.row))
     length = context.sqrt(context.fdot(vectors[:3], vectors[:3]))
@@ -51,20 +51,20 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
     return found, [x - d * n * y for x, y in zip(L, found, strict=True)]
 
 
-def _turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
-    """BESIDE plus log10 of a bound of the angle of rotation until ``time``, in radians, rounded up."""
+def _digits_of_turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
+    """The digits before the point of a bound of the angle of rotation until ``time``, in radians, plus SPARE."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
-    return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))
+    return SPARE + ceil(K.context.log10(1 + abs(time) * fastest))
 
 
 def _beside(flow: Motion, time: Real, K: MultiprecisionField) -> Body:
-    """The body with its equal moments changed so slightly that the states agree until a time, in numbers that resolve
-    the change.
+    """A body whose moments differ so slightly from the equal ones that its states agree to K's digits until ``time``.
+    Its field resolves the difference.
 
     Its motion is computed by the general additions, which share nothing with the closed form for equal moments.
     """
-    apart = K.dps + _turns(flow, time, K)
+    apart = K.dps + _digits_of_turns(flow, time, K)
     wide = MP(K.dps + apart)
     moved = [wide.coerce(x) * (1 + n * wide.coerce(10) ** -apart) for n, x in enumerate(flow.system.inertia)]
     return Body.make(moved, wide.coerce(flow.system.d), wide)

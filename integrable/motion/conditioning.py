@@ -9,25 +9,23 @@ that a method in that arithmetic can promise (Higham 2002, section 1.6: forward 
 from __future__ import annotations
 
 import dataclasses
-import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from integrable.phase.body import unwarned
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.body import Body
+from integrable.phase.state import State, onto_constraints, state_of_row
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import ArgumentError
-
-__all__ = ["Conditioning", "conditioning"]
+from jacobian.immutable import replaced
 
 FLOAT_CHANGE = 1e-7
-"""Relative change of an input in floats. The change of the state is then about 1e8 times the rounding errors, 1e-15."""
+"""Relative change of an input in floats: about 1e8 times the rounding errors of the state, 1e-15."""
 LINEAR = 1e-3
-"""Differences larger than this are recomputed with a smaller change."""
+"""If the state changes by more than this, the difference is recomputed with a smaller change of the input."""
 
 StatesAt = Callable[[Any, State, Sequence[Real]], tuple[np.ndarray, np.ndarray]]
 
@@ -62,30 +60,29 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
     if field.exact:
         raise ArgumentError(f"field = {field.name}: a conditioning needs a motion over RR or MP(digits)")
     move, wanted = motion or flow_motion, list(times)
-    names, values = _inputs(system, state)
-    base = move(*_problem(system, state, names, values), wanted)
+    inputs = _inputs(system, state)
+    base = move(*_problem(system, state, inputs), wanted)
     sizes = _sizes(system, state, base)
     gamma, M, parts = np.zeros(len(wanted)), np.zeros(len(wanted)), {}
-    for k, name in enumerate(names):
-        if values[k] == 0:
+    for name, value in inputs.items():
+        if value == 0:
             continue
         change = FLOAT_CHANGE if field == RR else 2.0**-52
 
-        def difference(change: float, k: int = k) -> list[np.ndarray]:
-            moved = list(values)
-            moved[k] = values[k] * (1 + field.coerce(change))
-            rows = move(*_problem(system, state, names, moved), wanted)
+        def difference(change: float, name: str = name, value: Real = value) -> list[np.ndarray]:
+            moved = inputs | {name: value * (1 + field.coerce(change))}
+            rows = move(*_problem(system, state, moved), wanted)
             pairs = zip(rows, base, sizes, strict=True)
             return [abs((a - b).astype(float)).max(axis=1) / size for a, b, size in pairs]
 
         found = difference(change)
-        if field == RR and (largest := max(x.max() for x in found)) > LINEAR:
+        if field == RR and (largest := max(x.max(initial=0) for x in found)) > LINEAR:
             change *= max(LINEAR / 100 / largest, 1e-6)
             found = difference(change)
         gamma += found[0] / change
         M += found[1] / change
-        parts[name] = float(found[0].max() / change)
-    return Conditioning(float(gamma.max()), float(M.max()), parts)
+        parts[name] = float(found[0].max(initial=0) / change)
+    return Conditioning(float(gamma.max(initial=0)), float(M.max(initial=0)), parts)
 
 
 def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[float | np.ndarray]:
@@ -104,34 +101,24 @@ def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.nd
     return trajectory.gamma, trajectory.M
 
 
-def _inputs(system: Any, state: State) -> tuple[list[str], list[Real]]:
-    """Names and values of all inputs of a motion."""
+def _inputs(system: Any, state: State) -> dict[str, Real]:
+    """The inputs of a motion by name."""
     if hasattr(system, "inputs"):
-        found = system.inputs(state)
-        return list(found), list(found.values())
-    named = [(f"I{i + 1}", x) for i, x in enumerate(system.body.inertia)]
-    accepted = inspect.signature(type(system)).parameters
-    named += [(name, getattr(system, name)) for name in ("d", "c") if name in accepted]
-    if getattr(system, "potential", None) is not None:
-        a, b, poles = system.potential
-        named += [(f"potential {i + 1}", x) for i, x in enumerate((a, b, *poles))]
-    named += zip(("γ1", "γ2", "γ3", "M1", "M2", "M3"), state.row, strict=True)
-    return [name for name, _ in named], [value for _, value in named]
+        return system.inputs(state)
+    terms = () if getattr(system, "potential", None) is None else [f"potential {i}" for i in range(1, 6)]
+    names = ("I1", "I2", "I3", "d", *terms, *getattr(system, "further", ()), "γ1", "γ2", "γ3", "M1", "M2", "M3")
+    constants = getattr(system, "constants", None) or (*system.body.inertia, system.body.d)
+    return dict(zip(names, (*constants, *state.row), strict=True))
 
 
-def _problem(system: Any, state: State, names: list[str], values: list[Real]) -> tuple[Any, State]:
-    """The system and the state with the given values of the inputs. γ is normalized and, unless the state is tilted, M
-    is made orthogonal.
-    """
-    field, given = system.field, dict(zip(names, values, strict=True))
+def _problem(system: Any, state: State, inputs: dict[str, Real]) -> tuple[Any, State]:
+    """The system and the state with these inputs, the state being projected onto the constraints."""
     if hasattr(system, "inputs"):
-        changed, moved = system.problem(given)
+        changed, moved = system.problem(inputs)
         return changed, moved
-    options: dict[str, object] = {name: given[name] for name in ("d", "c") if name in given}
-    if "potential 1" in given:
-        options["potential"] = tuple(given[f"potential {i}"] for i in range(1, 6))
-    # a change of a last digit may make a flat body's moments unphysical
-    with unwarned():
-        changed = type(system)([given[f"I{i}"] for i in (1, 2, 3)], field=field, **options)
-    gamma, M = ((given[f"{x}1"], given[f"{x}2"], given[f"{x}3"]) for x in "γM")
-    return changed, onto_constraints(changed, State(gamma, M, tilted=state.tilted))
+    field, values = system.field, [*inputs.values()]
+    if hasattr(system, "constants"):
+        changed = system._of_constants(field, values[:-6])
+    else:
+        changed = replaced(system, body=Body.make(values[:3], values[3], field))
+    return changed, onto_constraints(changed, state_of_row(values[-6:], state.tilted))

@@ -46,8 +46,8 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# rounding errors of ẋ are about LEAST times their bound; near a rotation about a principal axis ẋ is nothing but
-# rounding errors
+# rounding errors of ẋ are about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis ẋ consists of
+# them
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
@@ -87,7 +87,7 @@ class Rolling:
 
         system = widened(flow.system, setup.wide)
         body, state = system.body, onto_constraints(system, flow.state)
-        c, (h1, h2) = system.integrals(state)[1], system.integrals(state)[2:]
+        _, c, h1, h2 = system.integrals(state)
         length = setup.wide.sqrt(sum(x * x for x in cross(setup.wide, *state.vectors)))
         middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
         self._different = numbers(

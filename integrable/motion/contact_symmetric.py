@@ -78,10 +78,9 @@ class SymmetricPath:
         else:
             context = self._field.context
             asinh, atan2 = np.frompyfunc(context.asinh, 1, 1), np.frompyfunc(context.atan2, 2, 1)
-        # ``root`` is proportional to the cosine of the arc, so atan2 loses no digit near a right angle
+        # x·scale and ``root`` are √constant times the sine and cosine of the arc: atan2 keeps digits near a right angle
         arc = asinh(x * (scale / constant**0.5)) if slope > 0 else atan2(x * scale, root)
-        result: np.ndarray = factor / scale * arc
-        return result
+        return factor / scale * arc
 
     def _numbers(self, x: Real, y: Real, z: Real) -> tuple[Real, Real, Real]:
         number = float if self._field == RR else self._field.coerce

@@ -89,14 +89,12 @@ class BallMotion:
     def point(self, tau: arb) -> tuple[arb, ...]:
         """The moving point at a ball τ, in the flow's units."""
         middle = tau.mid()
-        point = self._start
+        point, width = self._start, tau.rad().abs_upper()
         if middle != 0:
             step = self._translations.near(middle)
             point = addition.carried(self.problem.f, self.problem.axes, self._start, step)
-        return point if tau.is_exact() else self._spread(point, tau.rad().abs_upper())
-
-    def _spread(self, point: Sequence[arb], width: arb) -> tuple[arb, ...]:
-        """Balls for the moving point at all τ within ``width`` of the τ of ``point``."""
+        if tau.is_exact():
+            return point
         sizes = [width * (1.1 * abs(x).abs_upper() + 2.0**-20) for x in self._velocity(point)]
         found = picard_box(self._velocity, point, sizes, width)
         if found is None:
@@ -214,7 +212,7 @@ class BallMotion:
 
     def _rate_bound(self, box: Sequence[acb]) -> arb | None:
         """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
-        # 1/g is analytic on the box if the square of its denominator does not meet the cut of the root
+        # 1/g is analytic on the box if σ₁² + σ₂² + σ₃², of which it divides by the root, does not meet the root's cut
         if not sum(x * x for x in box[4:7]).real > 0:
             return None
         bound = abs(addition.rate_at(self.problem.axes, box))

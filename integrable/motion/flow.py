@@ -220,7 +220,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return self.kernel != "python" and not interpreted()
 
     @cached_property
-    def _precise(self) -> RoundedRows:
+    def _precise(self) -> RoundedRows:  # type: ignore[override]
         """The method that computes the states to as many digits as needed."""
         from integrable.motion.precise import RoundedRows
 
@@ -256,7 +256,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return symmetry_axis(self.system.body.inertia) is not None
 
     @cached_property
-    def _torus(self) -> TorusFlow | None:
+    def _torus(self) -> TorusFlow | None:  # type: ignore[override]
         """The torus of the motion; None if it is not compact, or if it loses too many digits."""
         from integrable.torus.access import TorusFlow
         from integrable.torus.loops import CompiledLoops, ReadableLoops

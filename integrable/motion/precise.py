@@ -48,8 +48,8 @@ TORUS_FROM = 20
 # the tables of a torus are measured in multiplications. A basic step costs as much as WORK_A_STEP of these per digit,
 # and tables of up to WORK_WITH_ROOM multiplications fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
-# from ALONE_FROM digits on, the first time is computed without a series of the clock, from a value of τ with
-# ROUGH_DIGITS digits
+# from ALONE_FROM digits on, the first request for a single time is answered without a series of the clock, from a value
+# of τ with ROUGH_DIGITS digits
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
@@ -65,6 +65,8 @@ class Carrier:
     """The field of the wide numbers."""
     rolls: bool
     """Whether τ differs from t: the carrier then has a clock."""
+    momentum: Real = 1
+    """The unit of M for a body at rest."""
     witness: Self | None = None
     """A carrier with more digits, which has computed the farthest point of this carrier again."""
     witnessed: Real = 0
@@ -123,12 +125,17 @@ class Carrier:
         """The decimal exponent of the relative difference between a point at τ and the point of ``truth``, a carrier
         with more digits.
         """
-        pairs = zip(self.vectors(point), truth.vectors(truth.points([tau])[0]), strict=True)
-        gaps = (
-            max(abs(truth.field.coerce(x) - y) for x, y in zip(found, right, strict=True)) / max(map(abs, right))
-            for found, right in pairs
-        )
-        return max(map(digits_of, gaps))
+        return truth.difference(self.vectors(point), truth.vectors(truth.points([tau])[0]))
+
+    def difference(self, found: Sequence[Sequence[Real]], truth: Sequence[Sequence[Real]]) -> int:
+        """The decimal exponent of the relative difference of (γ, M) from ``truth``; that of M is absolute, in units of
+        ``momentum``, where the true M is 0.
+        """
+        worst = -NOTHING
+        for vector, right, unit in zip(found, truth, (1, self.momentum), strict=True):
+            gap = max(abs(self.field.coerce(x) - y) for x, y in zip(vector, right, strict=True))
+            worst = max(worst, digits_of(gap / (max(map(abs, right)) or unit)))
+        return worst
 
 
 class ManyDigits:
@@ -176,7 +183,7 @@ class ManyDigits:
         missing digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again,
         unless its digits are known not to suffice. So near times are as fast after a far time as before.
         """
-        before, far = self.carrier, max(map(abs, times), default=0)
+        before, far = self.carrier, farthest(times)
         self.carrier = self._first if far < self._too_far else self._finest
         try:
             while True:
@@ -274,22 +281,19 @@ def farthest(times: list[Real]) -> Real:
 
 
 class RoundedRows:
-    """States to as many digits as needed, rounded to a field: RR or MP(digits)."""
+    """The :class:`integrable.phase.ways.Way` to states that ``many`` computes, rounded to a field: RR or MP(digits)."""
 
     def __init__(self, field: Field, many: ManyDigits, way: str) -> None:
         self.field, self.many, self.way = field, many, way
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         tau, points = self.many.at(times.tolist())
         return self.rows(points), rounded(self.field, tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M side by side at values of τ: shape (N, 6)."""
         return self.rows(self.many.at_tau(tau.tolist()))
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """The physical times t(τ) at values of τ: shape (N,)."""
         return rounded(self.field, self.many.times(tau.tolist()))
 
     def rows(self, points: list[Any]) -> np.ndarray:
@@ -301,15 +305,14 @@ def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.n
     """Wide numbers as an array of elements of the field K."""
     if K == RR:
         return np.array(values, dtype=np.float64)
-    result: np.ndarray = np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
-    return result
+    return np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
 
 
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     ``limits`` bound the cost of the clock; finite limits mean that the torus has failed in floats, and no torus is
-    tried. ``scouts``, shared by all clocks, measure the decay of the series of 1/g.
+    tried. ``scouts``, shared by all clocks, measure how fast the Legendre coefficients of 1/g decay.
     """
 
     def __init__(self, setup: Setup, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
@@ -395,15 +398,12 @@ class BodyCarrier(Carrier):
         setup, torus = self.setup, self._far(tau)
         if torus:
             return [setup.wide.coerce(t) for t in torus.times([torus.wide.coerce(t) for t in tau])]
-        return [self._near_time(t) for t in tau]
-
-    def _near_time(self, tau: Real) -> Real:
-        """The physical time at τ, a wide number, from the clock's panels."""
-        setup = self.setup
-        sign = -1 if tau < 0 else 1
-        with setup.reals:
-            place = self._place(abs(setup.reals.number(tau)))
-            return setup.reals.element(setup.wide, sign * self._clock(sign).time(*place))
+        found = []
+        for sign, t in ((-1 if t < 0 else 1, t) for t in tau):
+            with setup.reals as reals:
+                time = self._clock(sign).time(*self._place(abs(reals.number(t))))
+                found.append(reals.element(setup.wide, sign * time))
+        return found
 
     def _place(self, tau: Real) -> tuple[int, Real]:
         """Splits τ ≥ 0 into (n, x): the nearest number n of basic steps, and the rest x in half steps."""
@@ -419,13 +419,13 @@ class BodyCarrier(Carrier):
     def _far(self, tau: list[Real]) -> LongClock | None:
         """The clock on the torus; None where panels cost less, or where the torus degenerates."""
         setup = self.setup
-        steps = float(max(map(abs, tau), default=0) / setup.step_length)
+        steps = float(farthest(tau) / setup.step_length)
         if self._limits.most < inf or steps < TORUS_FROM * setup.digits:
             return None
         work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
             # for each decimal digit of τ before the point, the phases lose one digit after the point
-            whole = setup.wide.exponent(max(map(abs, tau))) * 3 // 10
+            whole = setup.wide.exponent(farthest(tau)) * 3 // 10
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
 
@@ -454,10 +454,7 @@ class BodyCarrier(Carrier):
 
 
 class PreciseFlow(ManyDigits):
-    """The motion of a body through a state to ``digits`` digits.
-
-    ``limits`` are the limits of the motion's clock.
-    """
+    """The motion of a body through a state to ``digits`` digits; ``limits`` are those of its clock."""
 
     carrier: BodyCarrier
     _first: BodyCarrier

@@ -32,7 +32,8 @@ LONG = 9
 NEAR_CELLS = 27
 # on the first cells the clock may run this many times faster or slower than on later cells
 UNEVEN = 4
-# long panels are used only if each Legendre coefficient gains more than this many decimal digits
+# long panels are used only if each Legendre coefficient is smaller than the one before by more than this many decimal
+# digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
 # 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
@@ -70,8 +71,8 @@ class Unresolved(ArithmeticError):
 
 
 class RatePanels:
-    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` may be
-    those of another clock of the motion.
+    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` measure
+    how fast its Legendre coefficients decay, and may be shared by the clocks of a motion.
     """
 
     def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
@@ -107,11 +108,13 @@ class RatePanels:
     # --- the number of nodes
 
     def _node_count(self, rate: float) -> int:
-        """An even number of nodes that suffices for the clock's digits if each node gains ``rate`` digits."""
+        """An even number of nodes that suffices for the clock's digits if each node adds ``rate`` digits."""
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """The least number of digits gained per Legendre coefficient of 1/g over ``length`` cells."""
+        """The number of decimal digits by which each Legendre coefficient of 1/g over ``length`` cells is smaller than
+        the one before, at least.
+        """
         return self._scouts.digits_a_node(self._sign, length)
 
     def _resolves(self, first: Real, tail: list[Real], digits: float) -> bool:
@@ -134,7 +137,6 @@ class PanelClock(RatePanels):
         self._most = limits.most
         self._use(self._node_count(self._digits_a_node(1)))
         self._long: tuple[Nodes, list[Real]] | None = None
-        self._far: list[Real] = []
 
     def place(self, t: Real) -> tuple[int, Real]:
         """The place at which the clock shows t ≥ 0."""
@@ -167,7 +169,8 @@ class PanelClock(RatePanels):
         self._means: dict[int, Real] = {}
         # t at the upper ends of the cells −1, 0, 1, …
         self._ends: list[Real] = []
-        self._far = []
+        # t at the ends of long panels
+        self._far: list[Real] = []
 
     # --- the integral
 

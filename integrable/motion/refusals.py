@@ -30,8 +30,8 @@ class Rows(NamedTuple):
 def kept_rows(compute: Compute, values: np.ndarray, nan: Real, width: int = 6) -> Rows:
     """The rows of ``width`` numbers and τ of ``compute(values)``; rows that it refuses are ``nan``.
 
-    A time that is too far is refused in any call. So bisection over single rows finds the first refused distance in
-    each direction, and the rows before it are computed together.
+    If a time is refused because it is too far, all farther times in its direction are refused too. So in each direction
+    bisection finds the first refused time, and the times before it are computed together.
     """
     status, reasons = np.zeros(len(values), dtype=np.intp), [""]
     left = np.arange(len(values))
@@ -72,30 +72,22 @@ def _place(reasons: list[str], why: str) -> int:
 
 
 def _refused(compute: Compute, values: np.ndarray, order: np.ndarray, why: str = "") -> tuple[np.ndarray, str]:
-    """The first refused row in ``order`` and all rows beyond it, by bisection, and the reason.
+    """The rows of ``order`` from the first refused one on, found by bisection, and the reason.
 
-    Each row is tried alone or, given the reason ``why`` for which all were refused together, with the rows before it.
+    A row is tried alone. If ``why`` is given, the reason for which all rows together were refused although each alone
+    is accepted, a row is tried with those before it.
     """
     together = bool(why)
     low, high = 0, len(order) - together
     probe = high // 2 if together else high - 1
     while low < high:
-        said = _refusal(compute, values[order[0 if together else probe : probe + 1]])
-        if said:
-            high, why = probe, said
-        else:
+        try:
+            compute(values[order[0 if together else probe : probe + 1]])
             low = probe + 1
+        except REFUSALS as error:
+            high, why = probe, str(error)
         probe = (low + high) // 2
     return order[high:], why
-
-
-def _refusal(compute: Compute, values: np.ndarray) -> str:
-    """The reason why the rows are refused, or "" if they are accepted."""
-    try:
-        compute(values)
-    except REFUSALS as error:
-        return str(error)
-    return ""
 
 
 def common_reasons(parts: Iterable[Sequence[str]]) -> tuple[list[np.ndarray], tuple[str, ...]]:

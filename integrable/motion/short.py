@@ -16,16 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.short_rows import (
-    FLOATS,
-    LOT,
-    MADE,
-    SUMS,
-    WIDES,
-    Request,
-    Rule,
-    new_room,
-)
+from integrable.moving_point.short_rows import FLOATS, LOT, MADE, SUMS, WIDES, Request, Rule, new_room
 from integrable.moving_point.short_start import set_up
 from integrable.phase.ways import Cost
 from jacobian.numbers.compiler import interpreted
@@ -84,16 +75,13 @@ class ShortRuns:
         self.panels = 0
 
     def at(self, times: np.ndarray) -> RowsAndTimes | None:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         return self._run(times, self._rolls, False)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
-        """γ and M side by side at values of τ: shape (N, 6)."""
         found = self._run(tau, False, False)
         return None if found is None else found[0]
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
-        """The physical times t(τ) at values of τ: shape (N,)."""
         found = self._run(tau, False, True)
         return None if found is None else found[1]
 
@@ -108,15 +96,9 @@ class ShortRuns:
             if len(times) < INTERPRETED_TIMES:
                 status, rows, other = self._interpreted(times, physical, clock)
         elif (most := panels_within(self._cost, len(times))) > 0:
-            status, rows, other = self._compiled(times, physical, clock, most)
+            asked = Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE)
+            status, self.panels, rows, other = compiled_run(asked, times)
         return None if status else (rows, other if physical or clock else times)
-
-    def _compiled(
-        self, times: np.ndarray, physical: bool, clock: bool, most: int
-    ) -> tuple[int, np.ndarray, np.ndarray]:
-        asked = Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE)
-        status, self.panels, rows, other = compiled_run(asked, times)
-        return status, rows, other
 
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
         reals, count = BareReals(BITS), len(times)
@@ -234,8 +216,7 @@ def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.n
     contain a node (Berrut & Trefethen 2004, 3.3).
     """
     apart = places[:, None] - nodes
-    found: np.ndarray = np.prod(apart, axis=1)[:, None] * weights / apart
-    return found
+    return np.prod(apart, axis=1)[:, None] * weights / apart
 
 
 @cache

@@ -46,8 +46,8 @@ class Swing(NamedTuple):
         mu = r3 + delta * kappa2 if delta > 0 else r - delta * size2
         kappa = gmpy2.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = turning * momentum * gmpy2.sqrt(r3 / mu)
-        # A, ``size``, follows from γ₃ and its rate, since the difference in size2 loses all digits for a motion about
-        # the axis
+        # A, ``size``, is computed from γ₃ and its rate: near a rotation about the axis, the difference in size2 loses
+        # all digits
         size = gmpy2.sqrt(g3 * g3 + (across / rate) ** 2)
         theta = gmpy2.atan2(g3, across / rate)
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, 0 * theta)

@@ -48,8 +48,9 @@ NEARBY = 0.75
 
 
 class SymmetricFlow:
-    """γ and M at any times from a state with a :func:`rotation_axis` or of a body with a :func:`symmetry_axis`, in the
-    arithmetic N of :mod:`integrable.moving_point.arithmetic`: long doubles, rounded to floats, or bare reals.
+    """The :class:`integrable.phase.ways.Way` to γ and M from a state with a :func:`rotation_axis`, or of a body with a
+    :func:`symmetry_axis`. N is an arithmetic of :mod:`integrable.moving_point.arithmetic`: long doubles, whose results
+    are rounded to floats, or bare reals.
 
     Constants are computed in wide numbers. PrecisionLoss for so many turns that N does not resolve fractions of a turn.
     """
@@ -125,7 +126,6 @@ class SymmetricFlow:
     # --- states at given times
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pair (γ and M side by side, τ) at physical times: shapes (N, 6) and (N,)."""
         N, number = self.numbers, self.numbers.number
         count, x = self._at_times(times)
         delay, swing = self._delay(count, x), self._first_kind.swing(x) - self._start_swing
@@ -139,21 +139,18 @@ class SymmetricFlow:
         return rows, N.result(times * self.paces[0] + gap)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M side by side at values of τ: shape (N, 6)."""
         if not self._rolls:
             return self.at(tau)[0]
         N = self.numbers
         return self._rows(*self._at_tau(tau), N.turns_of(tau, self._turning[1], 0)[1])
 
     def times(self, tau: np.ndarray) -> np.ndarray:
-        """The physical times t(τ) at values of τ: shape (N,)."""
         if not self._rolls:
             return tau
         N, number = self.numbers, self.numbers.number
         count, x = self._at_tau(tau)
         gap = (self._first_kind.swing(x) - self._start_swing) / (4 * self._first_kind.quarter) + self._delay(count, x)
-        times: np.ndarray = N.result(tau * self.paces[1] - gap / number(self._rate))
-        return times
+        return N.result(tau * self.paces[1] - gap / number(self._rate))
 
     def _delay(self, count: np.ndarray, x: np.ndarray) -> np.ndarray:
         """The advance of θ/2π since the start beyond its mean, at θ = π·count + x."""
@@ -163,7 +160,9 @@ class SymmetricFlow:
         """The phase θ = π·n + x at physical times, as (n, x) with n whole and |x| ≤ π/2."""
         N = self.numbers
         whole, rest = N.turns_of(times, self._rate, self._start)
-        low, high = rest - self._farthest_lean, rest + self._farthest_lean
+        # G is odd and increasing, so that |G(cos θ)| ≤ G(1)
+        farthest = abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
+        low, high = rest - farthest, rest + farthest
         y = rest.copy()
         for _ in range(N.passes if self._kepler else 0):
             c, s = N.cos(2 * N.pi * y), N.sin(2 * N.pi * y)
@@ -232,11 +231,6 @@ class SymmetricFlow:
         s0, c0 = self._start_angle
         return -self.numbers.sin(gap) * (s0 * c + c0 * s)
 
-    @property
-    def _farthest_lean(self) -> np.ndarray:
-        """An upper bound of the difference between θ/2π and its mean."""
-        return abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
-
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The phase θ = π·n + x at values of τ, as (n, x) like :meth:`_at_times`."""
         N = self.numbers
@@ -288,8 +282,7 @@ class SymmetricFlow:
         a, b, e, d = self._matrix
         rows = [a * g + b * m for g, m in zip(gamma, M, strict=True)]
         rows += [e * g + d * m for g, m in zip(gamma, M, strict=True)]
-        found: np.ndarray = N.result(np.stack(rows, axis=1))
-        return found
+        return N.result(np.stack(rows, axis=1))
 
 
 def half_turns(N: LongDoubles | Multiprecision, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -300,5 +293,4 @@ def half_turns(N: LongDoubles | Multiprecision, rest: np.ndarray) -> tuple[np.nd
 
 def _sign(count: np.ndarray) -> np.ndarray:
     """(−1)^count."""
-    sign: np.ndarray = 1 - 2 * (count % 2)
-    return sign
+    return 1 - 2 * (count % 2)

@@ -1,8 +1,8 @@
 """Motions in closed form in multiprecision, at any time: two or three equal moments, and rotations about an axis.
 
-The form is that of :mod:`integrable.motion.symmetric` in bare reals. The working digits are those requested, plus the
-digits that the turns until the farthest time take, plus those that :class:`integrable.motion.precise.ManyDigits` finds
-missing.
+The formulas are those of :mod:`integrable.motion.symmetric` in bare reals. The working digits are those requested, plus
+the digits before the point of the angle of rotation until the farthest time, plus those that
+:class:`integrable.motion.precise.ManyDigits` finds missing.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class PreciseClosedForm(ManyDigits):
         return ClosedCarrier(*self._motion, digits)
 
     def enough(self, tau: Real) -> int | None:
-        # the digits of turns cost little, so that no time is too far
+        # digits for many turns cost little: the limit grows with τ, so that no time is too far
         self.most_lost = max(self.most_lost, type(self).most_lost + self.carrier.lost(tau))
         return super().enough(tau)
 

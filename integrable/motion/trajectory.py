@@ -16,13 +16,7 @@ from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way, times_in
 from jacobian import RR
 from jacobian.element import Numbers, Real
-from jacobian.errors import (
-    ArgumentError,
-    NotRepresentable,
-    PrecisionLoss,
-    flag,
-    shown,
-)
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, flag, shown
 from jacobian.immutable import Immutable, at_once, read_only, replaced
 
 if TYPE_CHECKING:
@@ -72,15 +66,15 @@ class Motion(Immutable):
         If a row cannot be computed, the call raises PrecisionLoss or Infeasible. With ``strict=False`` the other rows
         are kept; see :attr:`Trajectory.status` and :attr:`Trajectory.reasons`.
         """
-        return self._run(self._checked(times, "times"), flag(strict, "strict"), physical=True)
+        return self._run(times_in(self.system.field, times, "times"), flag(strict, "strict"), physical=True)
 
     def at_tau(self, tau: Numbers, *, strict: bool = True) -> Trajectory:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0); ``strict`` as for :meth:`at`."""
-        return self._run(self._checked(tau, "tau"), flag(strict, "strict"), physical=False)
+        return self._run(times_in(self.system.field, tau, "tau"), flag(strict, "strict"), physical=False)
 
     def physical_time(self, tau: Numbers) -> Times:
         """t(τ) = ∫_0^τ dτ/g for an array of τ."""
-        given = self._checked(tau, "tau")
+        given = times_in(self.system.field, tau, "tau")
         if not self.system.body.rolls:
             return given
         return InOrder(self._ways).first(lambda way: way.times(given))
@@ -104,7 +98,7 @@ class Motion(Immutable):
         next(self._ways())
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
-        """Returns (indices of the rows whose states are off the motion, description of the first such row's defect)."""
+        """(indices of the rows whose states are off the motion, defect of the first of them)."""
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
@@ -133,9 +127,6 @@ class Motion(Immutable):
             self, times, found.tau if physical else given, found.rows, way.way, found.status, found.reasons
         )
 
-    def _checked(self, values: Numbers, argument: str) -> np.ndarray:
-        return times_in(self.system.body.field, values, argument)
-
 
 def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
     if physical:
@@ -151,18 +142,10 @@ class BodyMotion(Motion):
         """The data computed once for the motion, before its first state."""
         return Setup(self.system.body, *self.state.vectors, self.state.tilted)
 
-    @cached_property
-    def contact_on_torus(self) -> Any:
-        """The contact point as a series on the torus, or None where there is none; cached for later runs."""
-        raise NotImplementedError
-
-    @cached_property
-    def _precise(self) -> RoundedRows:
-        raise NotImplementedError
-
-    @cached_property
-    def _torus(self) -> TorusFlow | None:
-        raise NotImplementedError
+    contact_on_torus: Any
+    """The contact point as a series on the torus, or None where there is none."""
+    _precise: RoundedRows
+    _torus: TorusFlow | None
 
 
 class Trajectory(Run[State], Exported):
@@ -174,8 +157,7 @@ class Trajectory(Run[State], Exported):
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
     is the time of the flow, dτ = g dt. ``way`` names the method that computed the rows, by one of the names in
     :data:`WAYS`. ``reasons``: see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and
-    ``digits`` are set by ``flow.certify``, otherwise None. Arrays are read-only; a
-    ``.copy()`` is not.
+    ``digits`` are set by ``flow.certify``, otherwise None. Arrays are read-only; a ``.copy()`` is not.
     """
 
     flow: Any
@@ -219,7 +201,18 @@ class Trajectory(Run[State], Exported):
         """A Trajectory of these rows and those of ``others``, which belong to the same motion. Its ``way`` lists the
         ways of all of them.
         """
-        return joined(self, *others)
+        every = (self, *others)
+        for other in others:
+            if not isinstance(other, Trajectory) or type(other.flow) is not type(self.flow):
+                raise ArgumentError(f"others: {shown(other)} given; Trajectories of the same motion are needed")
+            if other.system != self.system or other.flow.state != self.flow.state:
+                raise ArgumentError(f"others: {other!r} given; the same system and the same start are needed")
+        numbers, reasons = common_reasons([run.reasons for run in every])
+        status = np.concatenate([mine[run.status] for mine, run in zip(numbers, every, strict=True)])
+        times = None if all(run.given_in_tau for run in every) else np.concatenate([run.times for run in every])
+        tau, rows = (np.concatenate([getattr(run, name) for run in every]) for name in ("tau", "_rows"))
+        way = ", ".join(dict.fromkeys(word for run in every for word in run.way.split(", ")))
+        return Trajectory(self.flow, times, tau, rows, way, status, reasons)
 
     def _frame(self, quantities: Iterable[str]) -> Frame:
         from integrable.files.quantities import trajectory_frame
@@ -352,19 +345,3 @@ class Trajectory(Run[State], Exported):
                 f"{name}: {len(refused)} of {len(self)} rows were refused, the first of them row {refused[0]}: "
                 f"{self.reasons[self._status[refused[0]]]}; take .kept.{name}, of the other rows"
             )
-
-
-def joined(first: Trajectory, *others: Trajectory) -> Trajectory:
-    """One Trajectory of the rows of all given ones; see :meth:`Trajectory.concatenated`."""
-    every = (first, *others)
-    for other in others:
-        if not isinstance(other, Trajectory) or type(other.flow) is not type(first.flow):
-            raise ArgumentError(f"others: {shown(other)} given; Trajectories of the same motion are needed")
-        if other.system != first.system or other.flow.state != first.flow.state:
-            raise ArgumentError(f"others: {other!r} given; the same system and the same start are needed")
-    numbers, reasons = common_reasons([run.reasons for run in every])
-    status = np.concatenate([mine[run.status] for mine, run in zip(numbers, every, strict=True)])
-    times = None if all(run.given_in_tau for run in every) else np.concatenate([run.times for run in every])
-    tau, rows = (np.concatenate([getattr(run, name) for run in every]) for name in ("tau", "_rows"))
-    way = ", ".join(dict.fromkeys(word for run in every for word in run.way.split(", ")))
-    return Trajectory(first.flow, times, tau, rows, way, status, reasons)

@@ -14,8 +14,6 @@ import numpy as np
 if TYPE_CHECKING:
     from integrable.phase.body import Body
 
-__all__ = ["angular_velocities", "matrices", "quaternions"]
-
 
 def angular_velocities(body: Body, gamma: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """ω = A M + d·n·A γ, shape (N, 3), and n = (γ, ω) = g²(γ, A M), shape (N,), from γ and M of shape (N, 3).
@@ -34,8 +32,7 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(|M|² − (γ, M)²), 0, (γ, M)).
     """
     horizontal = M
-    # the projection is repeated (Parlett 1980): if the horizontal part is short, one pass leaves a rounding error along
-    # γ
+    # one projection of a vector nearly along γ leaves a rounding error along γ, which a second removes (Parlett 1980)
     for _ in range(2):
         horizontal = horizontal - np.sum(gamma * horizontal, axis=1)[:, None] * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]

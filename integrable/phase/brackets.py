@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import Any, TypeVar
 
 from integrable.phase import coordinates
@@ -35,10 +36,8 @@ Variables = tuple[Any, ...]
 """A point, in numbers of a field or in jets over it."""
 Matrix = tuple[Variables, ...]
 OfVariables = Callable[[Any, Variables], Sequence[Real]]
-# pairs (distance in steps, weight) of a central difference quotient of sixth order, which is divided by STENCIL_SCALE
-# steps
+# (n, weight) of the central difference quotient Σ weight·(f(x + nh) − f(x − nh))/(60h) of order six
 STENCIL = ((1, 45), (2, -9), (3, 1))
-STENCIL_SCALE = 60
 
 
 def ball_matrix(body: Body, gamma: Vector, M: Vector, g: object = None) -> Matrix:
@@ -61,12 +60,11 @@ def ball_matrix(body: Body, gamma: Vector, M: Vector, g: object = None) -> Matri
 def weighted_matrix(K: Field, weights: Sequence[Real]) -> Matrix:
     """The 4×4 matrix of the bracket {u_i, p_j} = w_iδ_ij on (u1, u2, p1, p2)."""
     (first, second), zero = weights, K.zero
-    minus = K.neg(first), K.neg(second)
     return (
         (zero, zero, first, zero),
         (zero, zero, zero, second),
-        (minus[0], *[zero] * 3),
-        (zero, minus[1], zero, zero),
+        (K.neg(first), zero, zero, zero),
+        (zero, K.neg(second), zero, zero),
     )
 
 
@@ -100,15 +98,11 @@ def jacobian_matrix(K: Any, function: OfVariables, point: Sequence[Real]) -> Mat
 
 
 def _difference(function: Callable[[Variables], Sequence[Real]], point: Variables, k: int, step: Real) -> list[Real]:
-    total: list[Real] | None = None
-    for count, weight in STENCIL:
-        shift = count * step * max(1, abs(point[k]))
-        ahead, behind = (function((*point[:k], point[k] + s, *point[k + 1 :])) for s in (shift, -shift))
-        terms = [weight * (a - b) for a, b in zip(ahead, behind, strict=True)]
-        total = terms if total is None else [x + y for x, y in zip(total, terms, strict=True)]
-    assert total is not None
-    scale = STENCIL_SCALE * step * max(1, abs(point[k]))
-    return [x / scale for x in total]
+    h, terms = step * max(1, abs(point[k])), []
+    for n, weight in STENCIL:
+        ahead, behind = (function((*point[:k], point[k] + s, *point[k + 1 :])) for s in (n * h, -n * h))
+        terms.append([weight * (a - b) for a, b in zip(ahead, behind, strict=True)])
+    return [sum(column) / (60 * h) for column in zip(*terms, strict=True)]
 
 
 def over(system: Space, field: Any) -> Space:
@@ -134,9 +128,10 @@ def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     gamma = (x1, x2, x3)
     rest = K.div(K.sub(tilt, K.dot(gamma, M)), one)
     m1, m2, m3 = (K.add(m, K.mul(rest, x)) for m, x in zip(M, gamma, strict=True))
-    if like.g is None or not isinstance(K, JetField):
-        return State(gamma, (m1, m2, m3), like.g, like.tilted)
-    return State(gamma, (m1, m2, m3), K.sqrt(K.inv(system.body.conformal(gamma)), like.g), like.tilted)
+    g = like.g
+    if g is not None and isinstance(K, JetField):
+        g = K.sqrt(K.inv(system.body.conformal(gamma)), g)
+    return State(gamma, (m1, m2, m3), g, like.tilted)
 
 
 def differential(system: Space, function: Callable[[Space, State], Sequence[Real]], state: State) -> Matrix:
@@ -168,18 +163,15 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
     They are equal if the step is a Poisson map. ``step`` is a function of (system, state), or a Step with
     ``.over(system)`` as in :mod:`integrable.steps.translation`.
     """
-
     state = system._checked(state)
     if not (hasattr(step, "over") or callable(step)):
         raise ArgumentError(f"step = {shown(step)}: give a Step or a function of (system, state)")
 
-    def image(moved: PhaseSpace, x: State) -> Sequence[Real]:
-        y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
-        return y.row
+    def image(moved: PhaseSpace, x: State) -> State:
+        return step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
 
-    brackets = pushed(system.field, differential(system, image, state), system.poisson(state))
-    target = step(state) if hasattr(step, "over") else step(system, state)
-    return brackets, system.poisson(target)
+    rows = differential(system, lambda moved, x: image(moved, x).row, state)
+    return pushed(system.field, rows, system.poisson(state)), system.poisson(image(system, state))
 
 
 # --- identities of a structure
@@ -188,7 +180,9 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
 def jacobi_defects(
     K: Field, matrix: Callable[[Any, Variables], Matrix], point: Variables
 ) -> dict[tuple[int, int, int], Real]:
-    """The sums Σ_cyclic {x_i, {x_j, x_k}} at ``point``, by (i, j, k), i < j < k: all zero for a Poisson structure."""
+    """The sums {x_i, {x_j, x_k}} + {x_j, {x_k, x_i}} + {x_k, {x_i, x_j}} at ``point``, by (i, j, k), i < j < k. All are
+    zero for a Poisson structure.
+    """
     size = len(point)
     entries = [(j, k) for j in range(size) for k in range(size)]
     rows = jacobian_matrix(K, lambda field, x: [matrix(field, x)[j][k] for j, k in entries], point)
@@ -198,9 +192,7 @@ def jacobi_defects(
         (i, j, k): K.add(
             K.add(K.dot(values[i], slopes[j, k]), K.dot(values[j], slopes[k, i])), K.dot(values[k], slopes[i, j])
         )
-        for i in range(size)
-        for j in range(i + 1, size)
-        for k in range(j + 1, size)
+        for i, j, k in combinations(range(size), 3)
     }
 
 
@@ -208,47 +200,26 @@ def conformal_field(system: PhaseSpace, state: State) -> tuple[Real, ...]:
     """The vector field g{x, H1/2} of x = (γ, M): the motion in its conformally Hamiltonian form."""
     K = system.field
     (row,) = differential(system, lambda s, x: (s.integrals(x).H1,), state)
-    g = K.one if not system.body.rolls else root(system, state)
+    g = coordinates.g_of(system.body, state) if system.body.rolls else K.one
     scale = K.div(g, K.add(K.one, K.one))
     return tuple(K.mul(scale, K.dot(line, row)) for line in system.poisson(state))
-
-
-def root(system: PhaseSpace, state: State) -> Real:
-    """The root g of g² = 1/(1 − d(γ, Aγ)) that belongs to a state."""
-    return coordinates.root_of_g(system.body, state.vectors[0]) if state.g is None else state.g
 
 
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Real:
     """The divergence div(g·(γ × ω, M × ω))/g at any (γ, M): 0, as g dγ dM is an invariant measure (Chaplygin 1903).
 
-    It is rational in (γ, M), because ∂g/g = −½g²·∂(g⁻²) with g⁻² = 1 − d(γ, Aγ).
+    It is rational in (γ, M), because ∂g/g = −½g²·∂(g⁻²) with g⁻² = (γ, γ) − d(γ, Aγ), as in :meth:`Body.conformal`.
     """
     K = body.field
 
     def motion(field: Field, point: Variables) -> Sequence[Real]:
-        moved = replace(body, field=field)
-        x, m = point[:3], point[3:]
-        omega = _omega(moved, x, m)
+        x, m = (point[0], point[1], point[2]), (point[3], point[4], point[5])
+        omega = replace(body, field=field).omega(x, m)
         return (*cross(field, x, omega), *cross(field, m, omega))
 
     point = (*gamma, *M)
     rows = jacobian_matrix(K, motion, point)
     trace = K.dot([row[i] for i, row in enumerate(rows)], (K.one,) * 6)
-    (slope,) = jacobian_matrix(K, lambda field, x: (_inverse_square(replace(body, field=field), x[:3]),), point)
+    (slope,) = jacobian_matrix(K, lambda field, x: (replace(body, field=field).conformal((x[0], x[1], x[2])),), point)
     change = K.dot(slope, motion(K, point))
-    two = K.add(K.one, K.one)
-    return K.sub(trace, K.div(change, K.mul(two, _inverse_square(body, gamma))))
-
-
-def _inverse_square(body: Body, gamma: Sequence[Real]) -> Real:
-    """1 − d(γ, Aγ), for γ of any length."""
-    K = body.field
-    return K.sub(K.one, K.mul(body.d, K.dot(body.a, [K.mul(x, x) for x in gamma])))
-
-
-def _omega(body: Body, gamma: Sequence[Real], M: Sequence[Real]) -> Vector:
-    K = body.field
-    moved = [K.mul(a, x) for a, x in zip(body.a, M, strict=True)]
-    spin = K.mul(body.d, K.div(K.dot(gamma, moved), _inverse_square(body, gamma)))
-    w1, w2, w3 = (K.add(x, K.mul(spin, K.mul(a, y))) for x, a, y in zip(moved, body.a, gamma, strict=True))
-    return w1, w2, w3
+    return K.sub(trace, K.div(change, K.mul(K.add(K.one, K.one), body.conformal(gamma))))

@@ -48,6 +48,11 @@ def root_of_g(body: Body[Element], gamma: Vector[Element]) -> Element:
     return square_root(body.field, body.field.inv(body.conformal(gamma)), "g²")
 
 
+def g_of(body: Body, state: State) -> Real:
+    """The root g of g² that belongs to a state."""
+    return root_of_g(body, state.vectors[0]) if state.g is None else state.g
+
+
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
     """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They belong to (U, P), where P = V − λU vanishes at 1/d;
     at d = 0, P = V.
@@ -59,7 +64,7 @@ def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
     K, (sigma, M) = body.field, state.vectors
     w = cross(K, sigma, M)
     if body.rolls:
-        g = root_of_g(body, sigma) if state.g is None else state.g
+        g = g_of(body, state)
         sigma = (K.mul(g, sigma[0]), K.mul(g, sigma[1]), K.mul(g, sigma[2]))
     return tuple((x, K.add(y, y)) for x, y in zip(sigma, w, strict=True))
 
@@ -71,8 +76,8 @@ def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
         return pairs
     lean = K.mul(body.d, K.dot([K.mul(a, x) for a, (x, _) in zip(body.a, pairs, strict=True)], [y for _, y in pairs]))
     pairs = sheared(K, pairs, lean)
-    if len(branch_points(body)) == 4:
-        g = root_of_g(body, state.vectors[0]) if state.g is None else state.g
+    if K.exact:
+        g = g_of(body, state)
         return (*pairs, (g, K.mul(lean, g)))
     return pairs
 
@@ -157,8 +162,8 @@ def pairs_of(
 
 
 def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
-    """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that contains a divisor; CurveMismatch if, to half the
-    digits, no curve of the body contains it.
+    """(H1, H2) of a divisor's curve y² = 4(1 − dx)Π(a_i − x)(x·H2 − H1). CurveMismatch if the curve has another form,
+    over an inexact field to half the digits.
     """
     K: Any = body.field
     curve = D.jacobian.curve

@@ -1,6 +1,6 @@
 """States with proven bounds (enclosures): the search for the number of bits that they need, and for τ at a time.
 
-Each engine defines its motion in balls (:class:`InBalls`), and :func:`enclosed` computes the rows.
+Each kind of motion has a class of motions in balls (:class:`InBalls`), from which :func:`enclosed` computes the states.
 """
 
 from __future__ import annotations
@@ -155,8 +155,8 @@ Moving = TypeVar("Moving", bound=InBalls)
 def enclosed(
     motions: Precisions[Moving], times: Sequence[Real], guesses: Sequence[Real] | None, lost: Callable[[Real], int]
 ) -> list[Row]:
-    """The rows at times for which ``guesses`` are values of τ, or at values of τ if there are no guesses. ``lost`` is a
-    guess of the number of bits that balls lose until a τ.
+    """The rows at physical ``times``, for which ``guesses`` are approximate values of τ; without guesses ``times`` are
+    values of τ. ``lost(τ)`` is a guess of the number of bits that balls lose until τ.
     """
 
     def read(motion: Moving, i: int) -> tuple[Vectors, arb]:
@@ -168,7 +168,7 @@ def enclosed(
 
     places = times if guesses is None else guesses
     rows: dict[int, Row] = {}
-    # the farthest place comes first, because it may need more bits, which the later rows then share
+    # the farthest time comes first: it may need the most bits, and a motion made with these serves the other times too
     for i in sorted(range(len(times)), key=lambda i: -abs(places[i])):
         vectors, radius = motions.narrow(partial(read, i=i), lost(places[i]))
         rows[i] = (*vectors, radius)
@@ -185,7 +185,7 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
     for _ in range(MOST_TRIALS):
         slope = rate(tau + arb(0, width))
         step = rest / slope
-        # over this ball t(τ) increases by more than the rest, so that the ball contains the wanted τ
+        # over this ball t(τ) increases by more than ``rest``, so that the ball contains the wanted τ
         if slope > 0 and abs(step).abs_upper() < width:
             return tau + step
         width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
@@ -237,12 +237,12 @@ def _ball(ends: Ends) -> arb:
     from flint import arb
 
     middle, (mantissa, exponent) = ends
-    shift = 30 - mantissa.bit_length()
-    for less in (1, 0):
-        ball = arb(middle, arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
-        if ball is not None and ball.rad() == arb(ends[1]):
+    radius, shift = arb(ends[1]), 30 - mantissa.bit_length()
+    for less in (1, 0) if mantissa else ():
+        ball = arb(middle, arb(((mantissa << shift) - less, exponent - shift)))
+        if ball.rad() == radius:
             return ball
-    return arb(middle, arb(ends[1]))
+    return arb(middle, radius)
 
 
 def _rebuilt(size: int, times: Column | None, tau: Column, first: Column, second: Column, radius: Sizes) -> Enclosure:

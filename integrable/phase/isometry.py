@@ -1,9 +1,9 @@
 """The isometries that map the geodesic flows (d = 0) of the tilde, check and hat pairs to each other.
 
-The pairs of integrals are those of :mod:`integrable.deformations`. The lift of γ ↦ γ' = Bγ/|Bγ| to (γ, M) = 0 is
-M' = Bγ × B⁻¹(M × γ), a canonical map. The body of A⁻¹ has the moments I'_i = a_i. The lift with B² = diag(a_j·a_k)
-takes the hat pair of A to det A times the tilde pair of A⁻¹. The lift with B² = A takes the check pair of A to −det A
-times the tilde pair of A⁻¹.
+The pairs of integrals are those of :mod:`integrable.deformations`. A diagonal matrix B maps the sphere to itself by
+γ ↦ γ' = Bγ/|Bγ|. The cotangent lift of this map, on states with (γ, M) = 0, is M' = Bγ × B⁻¹(M × γ); it is canonical.
+A body is named by its matrix A; that of A⁻¹ has the moments I'_i = a_i. With B² = diag(a_j·a_k) the lift maps the hat
+pair of A to det A times the tilde pair of A⁻¹, with B² = A the check pair of A to −det A times this tilde pair.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from jacobian.errors import NotRepresentable
 
 
 def lift(K: FormulaField, B: Sequence[Real], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
-    """The image (γ', M') of (γ, M) under the lift of the diagonal matrix B; its inverse is the lift of B⁻¹. NotASquare
-    where |Bγ| is not in the field, NotRepresentable where it is zero.
+    """The image (γ', M') of (γ, M) under the cotangent lift of γ ↦ Bγ/|Bγ|, B diagonal; B⁻¹ gives the inverse map.
+    NotASquare where |Bγ| is not in the field, NotRepresentable where it is zero.
     """
     turned = (K.mul(B[0], gamma[0]), K.mul(B[1], gamma[1]), K.mul(B[2], gamma[2]))
     length = square_root(K, K.dot(turned, turned), "|Bγ|²")

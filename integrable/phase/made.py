@@ -12,8 +12,6 @@ from jacobian import RR
 from jacobian.errors import ArgumentError
 from jacobian.immutable import Immutable
 
-__all__ = ["Made"]
-
 
 class Made(Immutable):
     """A value that its constructor arguments determine: ``type(x)(**x.arguments, field=x.field) == x``. Its ``repr`` is

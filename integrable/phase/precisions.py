@@ -12,7 +12,7 @@ FLOAT_DIGITS = 15
 in floats can confirm.
 """
 EPS_DIGITS = 16
-"""The decimal place of a float's last bit, from which the digits lost in a step are counted."""
+"""The digits of a float, rounded up; a step needs these and the digits that it loses."""
 ROUNDED_TO_FLOATS = 17
 """The number of correct digits of states before they are rounded to floats."""
 SET_UP_DIGITS = 45
@@ -21,8 +21,6 @@ SET_UP_DIGITS = 45
 
 def long_digits(K: Any) -> int:
     """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
-    if K is RR:
-        return ROUNDED_TO_FLOATS
     if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)

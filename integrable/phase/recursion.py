@@ -18,8 +18,9 @@ from typing import Any
 
 from integrable.phase.body import Body
 from integrable.phase.brackets import Matrix, Variables, jacobian_matrix, weighted_matrix
+from integrable.phase.jets import natural_power
 from integrable.phase.separation import phi
-from jacobian import poly
+from jacobian import linear, poly
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, FieldError, PrecisionLoss, entries, shown, whole, written
 from jacobian.fields.protocol import Field, check_field
@@ -36,8 +37,7 @@ def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real,
 
 def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
     """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij."""
-    values = eigenvalues(body, point)
-    return weighted_matrix(body.field, values)
+    return weighted_matrix(body.field, eigenvalues(body, point))
 
 
 def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
@@ -49,15 +49,12 @@ def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matr
 
 def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) -> Real | None:
     """The trace J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
-    values, m = (
-        eigenvalues(body, point),
-        whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX),
-    )
-    K = body.field
+    K, values = body.field, eigenvalues(body, point)
+    m = whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX)
     below = poly.integer(K, m)
     if K.is_zero(below):
         raise ArgumentError(f"m = {written(m)} vanishes in {K.name}: J_m does not exist there")
-    total = K.div(K.add(*(_power(K, value, m) for value in values)), below)
+    total = K.div(K.add(*(natural_power(K, value, m) for value in values)), below)
     if not K.exact and not abs(total) < inf:
         raise PrecisionLoss(f"m = {written(m)}: J_m is beyond the numbers of {K.name}")
     return total
@@ -91,22 +88,12 @@ def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:
     """
     if not check_field(K, "K").exact:
         raise FieldError(f"K = {K.name}: a rank is not decided over an inexact field")
-    wanted, found = "a sequence of rows of one length", 0
+    wanted = "a sequence of rows of one length"
     given = [entries(row, f"matrix[{i}]", wanted) for i, row in enumerate(entries(matrix, "matrix", wanted))]
     if len({len(row) for row in given}) > 1:
         raise ArgumentError(f"matrix = {shown(matrix)}: {wanted} is needed")
     rows = [[K.coerce(x, f"matrix[{i}]") for x in row] for i, row in enumerate(given)]
-    for column in range(len(rows[0]) if rows else 0):
-        pivot = next((i for i in range(found, len(rows)) if not K.is_zero(rows[i][column])), None)
-        if pivot is None:
-            continue
-        rows[found], rows[pivot] = rows[pivot], rows[found]
-        scale = K.inv(rows[found][column])
-        for i in range(found + 1, len(rows)):
-            factor = K.mul(scale, rows[i][column])
-            rows[i] = [K.sub(x, K.mul(factor, y)) for x, y in zip(rows[i], rows[found], strict=True)]
-        found += 1
-    return found
+    return len(linear.echelon(K, rows, len(rows[0]) if rows else 0))
 
 
 def _four(body: Body, point: Sequence[Real]) -> list[Real]:
@@ -116,12 +103,3 @@ def _four(body: Body, point: Sequence[Real]) -> list[Real]:
     if len(given) != 4:
         raise ArgumentError(f"point = {shown(given)}: a sequence (u1, u2, p1, p2) is needed")
     return [body.field.coerce(x, f"point[{i}]") for i, x in enumerate(given)]
-
-
-def _power(K: Field, x: Real, m: int) -> Real:
-    result: Real = K.one
-    for bit in bin(m)[2:]:
-        result = K.mul(result, result)
-        if bit == "1":
-            result = K.mul(result, x)
-    return result

@@ -10,7 +10,7 @@ import numpy as np
 from jacobian.errors import chosen, several, whole
 from jacobian.immutable import Record, replaced
 
-# rounding error of correctly rounded floats
+# largest relative error of a correctly rounded float
 ROUNDED = 2.0**-53
 
 One = TypeVar("One")
@@ -29,7 +29,7 @@ class Run(Record, Generic[One]):
     error: np.ndarray | None
     digits: np.ndarray | None
     _times: np.ndarray | None
-    # both vectors of a state side by side
+    # row k: both vectors of state k side by side
     _rows: np.ndarray
     _arrays: ClassVar[tuple[str, ...]] = ("_times", "_rows", "error", "digits")
     """The attributes with an entry for each state, or None."""

@@ -7,7 +7,8 @@ d·u), the roots of Σ γ_i²/(x − d/I_i). They do not exist at d = 0.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import product
 from typing import Any, Generic, NamedTuple
 
 from integrable.phase import coordinates
@@ -84,21 +85,24 @@ def _roots(K: Any, u: poly.Poly) -> Two:
 
 def separated_to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
     """The divisor (U, V) of (u, p): U has the roots u_k, and V(u_k) = φ(u_k)p_k. NotRepresentable where u1 = u2."""
-    K, ((u1, u2), _) = body.field, point
-    if u1 == u2:
-        raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
-    u, v = poly.through(K, [(x, K.mul(phi(body, x), p)) for x, p in zip(*point, strict=True)])
+    K = body.field
+    u, v = line_through(K, [(x, K.mul(phi(body, x), p)) for x, p in zip(*point, strict=True)])
     return u, poly.trim(K, v) if K.exact else v
 
 
 def integrals(body: Body, point: Separated) -> Two:
     """The integrals (H1, H2) at (u, p): the solution of φ(u_k)p_k² = H1 − u_k H2 for k = 1, 2."""
-    K, ((u1, u2), _) = body.field, point
+    K = body.field
+    h1, slope = line_through(K, [(x, K.mul(phi(body, x), K.mul(p, p))) for x, p in zip(*point, strict=True)])[1]
+    return h1, K.neg(slope)
+
+
+def line_through(K: Field, points: Sequence[tuple[Real, Real]]) -> tuple[poly.Poly, poly.Poly]:
+    """:func:`poly.through` two points (u_k, y_k); NotRepresentable where u1 = u2."""
+    (u1, _), (u2, _) = points
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
-    first, second = (K.mul(phi(body, x), K.mul(p, p)) for x, p in zip(*point, strict=True))
-    h2 = K.div(K.sub(second, first), K.sub(u1, u2))
-    return K.add(first, K.mul(u1, h2)), h2
+    return poly.through(K, points)
 
 
 def from_separated(body: Body, point: Separated, like: State | None = None) -> State:
@@ -149,14 +153,9 @@ def _check_rolling(body: Body) -> None:
 
 def lifts(body: Body, state: State) -> tuple[State, ...]:
     """The eight states (s_iγ_i, s_js_kM_i), s_i = ±1, with the same divisor and (u, p), starting with ``state``."""
-    K, (gamma, M) = body.field, state.vectors
-
-    def turned(x: Real, sign: int) -> Real:
-        return x if sign > 0 else K.neg(x)
-
-    result = []
-    for s in [(i, j, k) for i in (1, -1) for j in (1, -1) for k in (1, -1)]:
-        x, y, z = (turned(x, sign) for x, sign in zip(gamma, s, strict=True))
-        m = [turned(x, s[(i + 1) % 3] * s[(i + 2) % 3]) for i, x in enumerate(M)]
-        result.append(State((x, y, z), (m[0], m[1], m[2]), state.g))
+    K, result = body.field, []
+    for s in product((1, -1), repeat=3):
+        signs = *s, s[1] * s[2], s[2] * s[0], s[0] * s[1]
+        x, y, z, m1, m2, m3 = (v if sign > 0 else K.neg(v) for v, sign in zip(state.row, signs, strict=True))
+        result.append(State((x, y, z), (m1, m2, m3), state.g))
     return tuple(result)

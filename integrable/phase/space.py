@@ -10,16 +10,7 @@ from integrable.phase.made import Made
 from integrable.phase.state import State, check_state
 from jacobian import Field, poly
 from jacobian.element import Element, Value
-from jacobian.errors import (
-    ArgumentError,
-    NotASquare,
-    NotRepresentable,
-    PrecisionLoss,
-    entries,
-    flag,
-    shown,
-    written,
-)
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, entries, flag, shown, written
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -114,8 +105,7 @@ class PhaseSpace(Made, Generic[Element]):
 
     def integrals(self, state: State[Element]) -> Integrals[Element]:
         """The integrals C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M) of a state."""
-        state = self._checked(state)
-        return self.body.integrals(*state.vectors)
+        return self.body.integrals(*self._checked(state).vectors)
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
         """The :meth:`integrals` of N real states, γ and M of shape (N, 3): four arrays of shape (N,)."""
@@ -136,8 +126,7 @@ class PhaseSpace(Made, Generic[Element]):
 
     def omega(self, state: State[Element]) -> Vector[Element]:
         """The angular velocity ω in the body frame."""
-        state = self._checked(state)
-        return self.body.omega(*state.vectors)
+        return self.body.omega(*self._checked(state).vectors)
 
     def vector_field(self, state: State[Element]) -> State[Element]:
         """(γ̇, Ṁ) = (γ × ω, M × ω), as a State of derivatives."""
@@ -180,8 +169,7 @@ class PhaseSpace(Made, Generic[Element]):
         """The group of the motion: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
         curve = self.curve(h1, h2)
         if self.body.rolls:
-            jacobian: Jacobian[Element] = curve.jacobian()
-            return jacobian
+            return curve.jacobian()
         from jacobian.relatives.glued import GeneralizedJacobian
 
         return GeneralizedJacobian(curve)

@@ -7,10 +7,10 @@ sign. In this module H1 = (M, M) and H2 = −(M, AM). The points (u_k, y_k) with
 
 from __future__ import annotations
 
-from integrable.phase.separation import Separated, of_roots
+from integrable.phase.separation import Separated, line_through, of_roots
 from jacobian import HyperellipticCurve, poly
 from jacobian.element import Real
-from jacobian.errors import ArgumentError, NotRepresentable, shown, written
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.relatives.conic import Representative
 
@@ -25,20 +25,19 @@ def phi_poly(K: Field, a: tuple[Real, Real, Real]) -> poly.Poly:
     return value
 
 
+def _phi(K: Field, a: tuple[Real, Real, Real], x: Real) -> Real:
+    return poly.evaluate(K, phi_poly(K, a), x)
+
+
 def momentum_line(K: Field, a: tuple[Real, Real, Real], point: Separated) -> poly.Poly:
     """The line through the two points (u_k, φ(u_k)p_k), as two coefficients; NotRepresentable where u1 = u2."""
-    (u1, u2), _ = point
-    if u1 == u2:
-        raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there")
-    return poly.through(K, [(x, K.mul(poly.evaluate(K, phi_poly(K, a), x), p)) for x, p in zip(*point, strict=True)])[1]
+    return line_through(K, [(x, K.mul(_phi(K, a, x), p)) for x, p in zip(*point, strict=True)])[1]
 
 
 def sphere_integrals(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
     """The integrals (H1, H2) at (u, p), from φ(u_k)p_k² = H1·u_k + H2 for k = 1, 2."""
-    (u1, u2), _ = point
-    first, second = (K.mul(poly.evaluate(K, phi_poly(K, a), x), K.mul(p, p)) for x, p in zip(*point, strict=True))
-    h1 = K.div(K.sub(first, second), K.sub(u1, u2))
-    return h1, K.sub(first, K.mul(h1, u1))
+    h2, h1 = line_through(K, [(x, K.mul(_phi(K, a, x), K.mul(p, p))) for x, p in zip(*point, strict=True)])[1]
+    return h1, h2
 
 
 def conic_sum(K: Field, f: poly.Poly, divisor: Divisor, x0: Real | None, y0: Real) -> Divisor:
@@ -57,7 +56,7 @@ def conic(K: Field, a: tuple[Real, Real, Real], point: Separated, x0: Real | Non
     h1, h2 = sphere_integrals(K, a, point)
     divisor = poly.from_roots(K, point[0]), momentum_line(K, a, point)
     image, v = conic_sum(K, poly.mul(K, phi_poly(K, a), (h2, h1)), divisor, x0, y0)
-    return of_roots(K, image, v, lambda x: poly.evaluate(K, phi_poly(K, a), x))
+    return of_roots(K, image, v, lambda x: _phi(K, a, x))
 
 
 def rho(K: Field, point: Separated) -> Separated:
@@ -84,10 +83,7 @@ def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
 
 def hat_eigenvalues(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
     """The numbers ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
-    first, second = (
-        K.mul(K.mul(x, poly.evaluate(K, phi_poly(K, a), x)), K.mul(p, p))
-        for x, p in zip(*hat(K, a, point), strict=True)
-    )
+    first, second = (K.mul(K.mul(x, _phi(K, a, x)), K.mul(p, p)) for x, p in zip(*hat(K, a, point), strict=True))
     return first, second
 
 
@@ -102,6 +98,5 @@ def metric(K: Field, a: tuple[Real, Real, Real], u: tuple[Real, Real]) -> tuple[
     result = []
     for x, other in ((u1, u2), (u2, u1)):
         size = K.sub(K.add(K.add(x, x), other), mixed)
-        value = K.mul(K.mul(poly.evaluate(K, phi_poly(K, a), x), x), size)
-        result.append(K.div(value, K.sub(x, other)))
+        result.append(K.div(K.mul(K.mul(_phi(K, a, x), x), size), K.sub(x, other)))
     return result[0], result[1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Generic, overload
@@ -91,6 +92,12 @@ class State(Immutable, Generic[Element]):
         return named("state", facts if self.g is None else [*facts, ("g", self.g)])
 
 
+def state_of_row(row: Iterable[Any], tilted: bool = False) -> State:
+    """The unchecked state with the six numbers γ1, γ2, γ3, M1, M2, M3."""
+    x1, x2, x3, m1, m2, m3 = row
+    return State((x1, x2, x3), (m1, m2, m3), tilted=tilted)
+
+
 def _numbers(vector: Any) -> Any:
     """A vector as a hashable tuple; the elements of an array such as ``state.gamma`` become Python's own numbers."""
     return tuple(vector.tolist() if hasattr(vector, "tolist") else vector)
@@ -108,15 +115,14 @@ def onto_constraints(system: Any, state: State) -> State:
     """The state over ``system.field``, projected onto the constraints so that they hold to all digits of the field.
 
     γ is divided by its length, so (γ, γ) = 1. Unless the state is tilted, M loses its component along γ, so (γ, M) = 0.
-    Without this a step would multiply the distance of the divisor from its curve by the step's condition number.
+    Any distance from the constraints would be multiplied by the condition number of a step.
     """
     K = system.field
     gamma, M = (tuple(map(K.coerce, v)) for v in state.vectors)
     size = K.sqrt(K.dot(gamma, gamma))
-    g1, g2, g3 = (x / size for x in gamma)
-    tilt = K.zero if state.tilted else K.dot((g1, g2, g3), M)
-    m1, m2, m3 = (y - tilt * x for x, y in zip((g1, g2, g3), M, strict=True))
-    return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
+    gamma = tuple([x / size for x in gamma])
+    tilt = K.zero if state.tilted else K.dot(gamma, M)
+    return state_of_row((*gamma, *(y - tilt * x for x, y in zip(gamma, M, strict=True))), state.tilted)
 
 
 def rotation_axis(state: State) -> int | None:

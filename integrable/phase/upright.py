@@ -78,33 +78,23 @@ class ChaplyginTransformation:
         return (tilde[0], tilde[1], tilde[2]), (momentum[0], momentum[1], momentum[2])
 
     def invert(self, state: State) -> State:
-        """The tilted State (γ, M) of an upright state (γ̃, M̃)."""
-        K = self.body.field
-        gamma, M = self.invert_vectors(*state.vectors)
-        g = None if state.g is None else K.mul(state.g, K.mul(self.s, self._slip(gamma, M)))
-        return State(gamma, M, g, tilted=True)
-
-    def invert_vectors(self, gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
-        """The vectors γ = s²(γ̃/p − kM̃/s) and M = s²(M̃/s + dkH1·γ̃/p)."""
+        """The tilted State (γ, M) of an upright state (γ̃, M̃): γ = s²(γ̃/p − kM̃/s) and M = s²(M̃/s + dkH1·γ̃/p)."""
         K = self.body.field
         a, b, c, d = self.inverse_matrix()
-        back = tuple(K.add(K.mul(a, x), K.mul(b, y)) for x, y in zip(gamma, M, strict=True))
-        momentum = tuple(K.add(K.mul(c, x), K.mul(d, y)) for x, y in zip(gamma, M, strict=True))
-        return (back[0], back[1], back[2]), (momentum[0], momentum[1], momentum[2])
+        x1, x2, x3, m1, m2, m3 = (
+            K.add(K.mul(first, x), K.mul(second, y))
+            for first, second in ((a, b), (c, d))
+            for x, y in zip(*state.vectors, strict=True)
+        )
+        gamma, M = (x1, x2, x3), (m1, m2, m3)
+        g = None if state.g is None else K.mul(state.g, K.mul(self.s, self._slip(gamma, M)))
+        return State(gamma, M, g, tilted=True)
 
     def inverse_matrix(self) -> tuple[Real, Real, Real, Real]:
         """The inverse as four numbers (a, b, c, d): γ = aγ̃ + bM̃, M = cγ̃ + dM̃."""
         K = self.body.field
         upright = K.div(K.mul(self.s, self.s), self.p)
         return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
-
-    def rate(self) -> tuple[Real, Real]:
-        """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): they give physical time t = ∫dτ/g from the upright motion.
-
-        α = s and β = dks²/p, from dt̃/dt = s(1 − dkn), n = (γ, ω), and ω = ω̃ dt̃/dt.
-        """
-        K = self.body.field
-        return self.s, K.div(K.mul(K.mul(self.body.d, self.k), K.mul(self.s, self.s)), self.p)
 
     def _slip(self, gamma: Vector, M: Vector) -> Real:
         """The factor 1 − dkn, with n = (γ, ω)."""
@@ -116,10 +106,11 @@ class ChaplyginTransformation:
 
 
 def leaning(K: Any, gamma: Vector, M: Vector) -> Real:
-    """The square |γ × M|²; raises NotRepresentable at M ∥ γ, M = 0 included."""
+    """The square |γ × M|². NotRepresentable at M ∥ γ, M = 0 included, where k = −1/c and Chaplygin's transformation
+    does not exist.
+    """
     w = cross(K, gamma, M)
     square, size = K.dot(w, w), K.dot(M, M)
-    # at M ∥ γ, k = −1/c and the transformation does not exist
     if K.zero == size or not (K.exact or square > (16 * K.eps) ** 2 * size):
         raise parallel(K.dot(gamma, M))
     return square
@@ -144,16 +135,16 @@ def _exact_root(body: Body, integrals: Integrals) -> Real:
 
 
 def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[Real, Real, Real, Real]:
-    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation, from c = (γ, M), H1, H2, ``square`` = |γ × M|² and d;
-    on real numbers, compiled unchanged.
+    """(k, 1 + kc, s, dkH1) of Chaplygin's transformation over the reals, from c = (γ, M), H1, H2, ``square`` = |γ × M|²
+    and d. The compiler takes this function unchanged.
     """
     if d == 0:
         return -(c / h2), square / h2, 1 + 0 * c, 0 * c
     rolling, double = d * h1, 2 * c
     rest = h2 - rolling
     whole = root(rest * rest + double * double * rolling)
-    # where digits would cancel in whole + rest, it is computed from (whole + rest)(whole − rest) = 4c²dH1; ``left`` is
-    # treated alike
+    # where digits would cancel in whole + rest, it is computed as 4c²dH1/(whole − rest). In the same way total·(1 + kc)
+    # = whole + below is 4c²|γ × M|²/(whole − below)
     total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
     k = -(double / total)
     below = rest - double * c
@@ -163,7 +154,6 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
 
 
 def parallel(c: Real) -> NotRepresentable:
-    """The error raised for M ∥ γ."""
     return NotRepresentable(
         f"M is parallel to gamma, (γ, M) = {c}: there is no body with (γ̃, M̃) = 0 behind this motion; γ moves as the "
         "momentum of the free top of moments I_i + d instead (Ṁ = M × AM for g²M, g constant)"

@@ -113,7 +113,7 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
             return np.array(values, dtype=FLOATS)
         if type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1:
             found = values.copy()
-            # all() takes twice as long as counting, and a sum of squares could overflow, with a warning
+            # counting takes half as long as all()
             if np.count_nonzero(np.isfinite(found)) == len(found):
                 return found
     items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
@@ -123,7 +123,7 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
 def _finite_sum(values: list[Any]) -> bool:
     """Whether the sum of a list is a finite float. Then all of its values are finite real numbers."""
     try:
-        # NumPy takes longer to find out the type of the values; it would also read strings as floats
+        # np.array is slower at finding the type of the values, and reads strings as floats
         total = sum(values)
     except Exception:
         return False

@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING, Any
 from integrable.phase.body import Body
 from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
-from integrable.phase.state import State, onto_constraints
+from integrable.phase.state import State, onto_constraints, state_of_row
 from jacobian import MP
-from jacobian.element import Real
 from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.protocol import Field
@@ -45,21 +44,11 @@ def drift(system: PhaseSpace, image: State, state: State) -> Any:
     return max(abs(k1 - h1) / (abs(h1) or 1), abs(k2 - h2) / (abs(h2) or 1))
 
 
-def check_integrals(step: Step, state: State, lost: Real) -> None:
-    """Raises PrecisionLoss if the :func:`drift` ``lost`` of an image is more than eps^0.575 (10⁻⁹ in floats)."""
-    if not lost <= step.system.field.eps**0.575:
-        C1, C2 = step.system.integrals(state)[:2]
-        raise PrecisionLoss(
-            f"{step!r}: H1 and H2 of the image are off by {float(lost):.1e} of their size; the state has (γ, γ) − 1 = "
-            f"{float(C1 - 1):.1e}, (γ, M) = {float(C2):.1e}; give a state made by system.state, or use more digits"
-        )
-
-
 def with_enough_digits(step: Step, state: State) -> State:
     """The image of a state under ``step.plain``, with guard digits where needed.
 
     The numbers of the field are used where :meth:`Step.condition` is small and H1 and H2 of the image agree with those
-    of the state. PrecisionLoss if they do not agree even with guard digits.
+    of the state. PrecisionLoss if they do not agree to eps^0.575 (10⁻⁹ in floats) even with guard digits.
     """
     K = step.system.field
     if step.guarded or not isinstance(K, InexactField):
@@ -79,7 +68,12 @@ def with_enough_digits(step: Step, state: State) -> State:
             step.plain(state)
             raise
         lost = drift(step.system, image, state)
-    check_integrals(step, state, lost)
+    if not lost <= K.eps**0.575:
+        C1, C2 = step.system.integrals(state)[:2]
+        raise PrecisionLoss(
+            f"{step!r}: H1 and H2 of the image are off by {float(lost):.1e} of their size; the state has (γ, γ) − 1 = "
+            f"{float(C1 - 1):.1e}, (γ, M) = {float(C2):.1e}; give a state made by system.state, or use more digits"
+        )
     return image
 
 
@@ -134,7 +128,7 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
             continue
         lost = max(drift(system, image, start) for image in states[1:])
         if lost <= K.eps**1.5:
-            return [_rounded(K, image) for image in states[1:]]
+            return [state_of_row(map(K.coerce, image.row), image.tilted) for image in states[1:]]
     raise PrecisionLoss(f"{step!r}: H1 and H2 are off by {float(lost):.1e} of their size even over {system.field.name}")
 
 
@@ -190,28 +184,24 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
         gamma[i], M[i - 2], M[i - 1] = K.zero, -small * M[i] * gamma[i - 1], small * M[i] * gamma[i - 2]
     else:
         gamma[i], M[i - 2], M[i - 1] = small, -small * M[i] * gamma[i - 2], -small * M[i] * gamma[i - 1]
-    return onto_constraints(system, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=state.tilted))
+    return onto_constraints(system, state_of_row((*gamma, *M), state.tilted))
 
 
 def _without_dust(field: Any, image: State) -> State:
     """The image with components of the size of the perturbation set to 0, so that it is a rotation about an axis."""
     sizes = field.one, max(map(abs, image.vectors[1]))
-    (g1, g2, g3), (m1, m2, m3) = (
-        tuple(x if abs(x) > field.eps**2 * size else field.zero for x in v)
+    row = [
+        x if abs(x) > field.eps**2 * size else field.zero
         for v, size in zip(image.vectors, sizes, strict=True)
-    )
-    return State((g1, g2, g3), (m1, m2, m3), tilted=image.tilted)
+        for x in v
+    ]
+    return state_of_row(row, image.tilted)
 
 
 def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
     """The same system over a field of more digits; the numbers of its body are converted without a change."""
     body = system.body
     return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
-
-
-def _rounded(field: Field, state: State) -> State:
-    (g1, g2, g3), (m1, m2, m3) = (tuple(map(field.coerce, v)) for v in state.vectors)
-    return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
 
 
 def _digits(field: Any, condition: float) -> list[int]:

@@ -46,6 +46,3 @@ class HatMap(Step):
             raise NotRepresentable(f"|Aw|² = 0 over {K.name}: γ has no image")
         roots = [K.div(length if sign > 0 else K.neg(length), a) for a, sign in zip(system.a, self.signs, strict=True)]
         return coordinates.from_pairs(system.body, reflected(K, pairs, roots))
-
-    def plain(self, state: State) -> State:
-        return self(state)

@@ -1,5 +1,5 @@
 """Maps that need no choice of points: multiples of the state's own divisor, addition of the branch point 1/d, and steps
-along the pencil of a conic. Time shifts are in :mod:`integrable.steps.time_shift`.
+along a pencil of parabolas. Time shifts are in :mod:`integrable.steps.time_shift`.
 
 Each map preserves H1 and H2. Its docstring states its effect on the bracket of :meth:`System.poisson`, which
 :func:`integrable.phase.brackets.image_brackets` tests.
@@ -8,26 +8,19 @@ Each map preserves H1 and H2. Its docstring states its effect on the bracket of 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING
 
 from integrable.phase import coordinates
 from integrable.phase.body import square_root
 from integrable.phase.jets import apply
 from integrable.phase.space import PhaseSpace, check_moving
 from integrable.phase.state import State
-from integrable.steps.guard_digits import (
-    LARGEST,
-    body_condition,
-    on_principal_axis,
-    tilt_condition,
-    with_enough_digits,
-)
+from integrable.steps.guard_digits import LARGEST, body_condition, on_principal_axis, tilt_condition, with_enough_digits
 from integrable.steps.step import Abscissa, Step, check_doublings, checked_signs
 from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element
 from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, written
 from jacobian.fields.inexact import InexactField
-from jacobian.immutable import replaced
 from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
 
 if TYPE_CHECKING:
@@ -46,17 +39,12 @@ class Move(Step):
         """
         return with_enough_digits(self, self.system._checked(state))
 
-    def over(self, system: Any) -> Self:
-        """The same map on the same system over another field."""
-        return replaced(self, system=system)
-
     def plain(self, state: State) -> State:
         """The image computed in the numbers of the field, without a check of the loss of digits."""
         if not self.system._checked(state).tilted:
             return self._image(state)
         step, plain, change = self._transformed(state)
-        image: State = change.invert(step._image(plain))
-        return image
+        return change.invert(step._image(plain))
 
     def _transformed(self, state: State) -> tuple[Move, State, ChaplyginTransformation]:
         """The map of the upright body of a tilted state, that body's state, and the transformation."""
@@ -115,7 +103,7 @@ class Multiplication(Move):
         """
         system, body, K = self.system, self.system.body, self.system.field
         kappas = coordinates.kappas(body)
-        if any(kappa == K.zero for kappa in kappas):
+        if K.zero in kappas:
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
         # for an even factor the roots never exist over the reals
         even = self.factor % 2 == 0
@@ -211,11 +199,12 @@ class ConicStep(Move):
         h1, h2 = system.integrals(state)[2:]
         check_moving(K, h2)
         y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
-        below = poly.evaluate(K, u, self.x0)
-        lost_above = abs(y0) + sum(abs(c * self.x0**i) for i, c in enumerate(v))
-        lost_below = sum(abs(c * self.x0**i) for i, c in enumerate(u)) * abs(y0 - poly.evaluate(K, v, self.x0))
-        size = abs(below) * h2**0.5 + abs(y0 - poly.evaluate(K, v, self.x0))
-        return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
+        # c = (y0 − V(x0))/U(x0)
+        above, below = (abs(x) for x in (y0 - poly.evaluate(K, v, self.x0), poly.evaluate(K, u, self.x0)))
+        size = above + below * h2**0.5
+        if not (below and size):
+            return LARGEST
+        return float((abs(y0) + poly.size_at(v, self.x0) + poly.size_at(u, self.x0) * above / below) / size)
 
     def _image(self, state: State) -> State:
         """The image of an upright state. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from jacobian.element import Element, Value
 from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole, written
@@ -37,11 +37,11 @@ class Step(Immutable):
         """The image computed in the numbers of the field, without a check of the loss of digits."""
         raise NotImplementedError
 
-    def over(self, system: Any) -> Step:
+    def over(self, system: Any) -> Self:
         """The same map on the same system over another field, such as the jets over the system's field."""
         return replaced(self, system=system)
 
-    def wider(self, system: Any) -> Step:
+    def wider(self, system: Any) -> Self:
         """The same map over a field of more digits, where numbers such as 1/d are recomputed."""
         return replaced(self.over(system), guarded=True)
 
@@ -73,11 +73,11 @@ class Composition(Step):
     def __call__(self, state: State[Element]) -> State[Element]:
         return self.second(self.first(state))
 
-    def over(self, system: Any) -> Composition:
-        return Composition(self.second.over(system), self.first.over(system))
+    def over(self, system: Any) -> Self:
+        return type(self)(self.second.over(system), self.first.over(system))
 
-    def wider(self, system: Any) -> Composition:
-        return Composition(self.second.wider(system), self.first.wider(system))
+    def wider(self, system: Any) -> Self:
+        return type(self)(self.second.wider(system), self.first.wider(system))
 
     def condition(self, state: State) -> float:
         return max(self.second.condition(state), self.first.condition(state))

@@ -13,7 +13,7 @@ from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.jets import JetField
 from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
-from integrable.phase.state import State
+from integrable.phase.state import State, state_of_row
 from integrable.steps.moves import Move
 from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element, Real
@@ -59,9 +59,8 @@ class Shift(Move):
         if step is None:
             return state
         point = self._finite(setup, shift, setup.bare.f, setup.bare.axes, setup.bare.start, step)
-        rows = vectors(point, setup.problem.momentum, setup.problem.matrix)
-        (x1, x2, x3), (m1, m2, m3) = (tuple(map(K.coerce, row)) for row in rows)
-        return State((x1, x2, x3), (m1, m2, m3), tilted=state.tilted)
+        gamma, M = vectors(point, setup.problem.momentum, setup.problem.matrix)
+        return state_of_row(map(K.coerce, (*gamma, *M)), state.tilted)
 
     def condition(self, state: State) -> float:
         """The constant 1, because :meth:`plain` chooses its own digits."""

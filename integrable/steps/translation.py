@@ -117,9 +117,8 @@ class Translation(Move):
         # if D' is near zero, V'/U' is large at every branch point, in units of √f/x²
         radius = max(map(abs, group.branch_points))
         near = min(
-            float(abs(poly.evaluate(K, v, e)) / abs(value)) if value else inf
+            float(abs(poly.evaluate(K, v, e)) / abs(value)) if (value := poly.evaluate(K, u, e)) else inf
             for e in group.branch_points
-            for value in (poly.evaluate(K, u, e),)
         )
         worst = max(worst, near * float(radius**2 / poly.size_at(f, radius) ** 0.5))
         # three more causes of loss: cancellation in U'(a_i), a distant branch point, and cancellation where the a_i are
@@ -196,20 +195,13 @@ class Translation(Move):
         return all(abs(x - y) <= K.eps**0.75 * abs(y) for x, y in zip((h1, h2), self._last, strict=False))
 
     def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
-        if self.multiple % 2 == 0:
-            # the double of any divisor has its signed roots in the field
-            move = group.double(group.twist(u, v))
-            move = move if self.multiple == 2 else group.multiple(self.multiple // 2, move)
-        else:
-            move = self._lifted(group, u, v)
-            move = move if self.multiple == 1 else group.multiple(self.multiple, move)
-        if self.multiple % 2 == 0:
-            pairs = [
-                pair if sign > 0 else (self.system.field.neg(pair[0]), self.system.field.neg(pair[1]))
-                for pair, sign in zip(move.pairs, (*self.signs, 1), strict=False)
-            ]
-            move = move._replace(pairs=tuple(pairs))
-        return move
+        if self.multiple % 2:
+            return group.multiple(self.multiple, self._lifted(group, u, v))
+        # the double of any divisor has its signed roots in the field
+        move = group.multiple(self.multiple // 2, group.double(group.twist(u, v)))
+        neg = self.system.field.neg
+        signed = zip(move.pairs, (*self.signs, 1), strict=False)
+        return move._replace(pairs=tuple((x, y) if sign > 0 else (neg(x), neg(y)) for (x, y), sign in signed))
 
     def _lifted(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
         try:
@@ -217,9 +209,8 @@ class Translation(Move):
         except NotASquare:
             raise NotASquare(
                 f"points = ({', '.join(map(written, self.points))}): the image of a state is not over "
-                f"{group.field.name}, "
-                "because a root √U'(a_i) is not; over the reals take both points on one oval, both beyond 1/d, or a "
-                "conjugate pair; or an even multiple"
+                f"{group.field.name}, because a root √U'(a_i) is not; over the reals take both points on one oval, "
+                "both beyond 1/d, or a conjugate pair; or an even multiple"
             ) from None
 
     def _mumford(self, group: SignedGroup, h1: Real, h2: Real) -> tuple[poly.Poly, poly.Poly]:

@@ -172,7 +172,7 @@ def test_an_operator_with_torsion_is_found() -> None:
 
 @pytest.mark.parametrize("field", FIELDS)
 def test_ranks(field) -> None:
-    """4 at every state; 2 for Π' where a λ_k vanishes, and at γ = 0; 0 at 0."""
+    """The bracket of (γ, M) has rank 4 at every state, 2 at γ = 0 and 0 at γ = M = 0; Π' has rank 2 where λ_2 = 0."""
     K, rng = FIELDS[field](), Random(7)
     for d in (0, 1):
         ball = ChaplyginBall((1, 2, 4), d, field=K)

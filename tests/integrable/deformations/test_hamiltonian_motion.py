@@ -94,7 +94,7 @@ def test_a_certificate_of_many_digits() -> None:
 
 @pytest.mark.parametrize("name", ["hat", "gyroscopic"])
 def test_a_wrong_state_has_no_certificate(name, monkeypatch) -> None:
-    """The second computation knows the sign of M, which H and K do not."""
+    """A run with −M in place of M has the same H and K, but differs from the second computation."""
     kind, at = type(motion(name)), type(motion(name)).at
 
     def reversed_at(flow, times, **options):

@@ -189,7 +189,7 @@ def test_compiled_states_are_those_of_additions_in_many_digits(size, inertia, mo
 
 @pytest.mark.parametrize("spoiled", ["moment", "pole", "sign", "lambda", "H"])
 def test_numbers_that_are_off_go_the_readable_way(spoiled, monkeypatch) -> None:
-    """The numbers of the compiled loops, by one part in 10¹⁵ or a sign."""
+    """A constant of the compiled loops is changed by one part in 10¹⁵, or a sign: the states come from many digits."""
     system, state = case((0.3, 0.4, 0.5), RR)
     truth = system.flow(state)._curves.at_tau(TAU)
 

@@ -167,7 +167,7 @@ def test_a_real_step(name) -> None:
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_large_multiple_of_a_real_step(name) -> None:
-    """10⁶ + 1 times, which once took seconds in floats, equals the engine's sum; 1000 times equals 1000 steps."""
+    """10⁶ + 1 times, which once took seconds in floats, equals the sum by `jacobian`; 1000 times equals 1000 steps."""
     system, state = real_case(name)
     step = system.translation(REAL[name], multiple=10**6 + 1)
     image = step(state)

@@ -71,6 +71,13 @@ def test_a_motion_of_ones_own():
     assert conditioning(ball, ball.state(GAMMA, M), [1.0, 2.0], still).gamma < 3
 
 
+@pytest.mark.parametrize("field", [RR, MP(20)], ids=str)
+def test_without_times_nothing_grows(field):
+    ball = ChaplyginBall((1, 2, 3), 1, field=field)
+    found = conditioning(ball, ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")), [])
+    assert (found.gamma, found.M) == (0, 0)
+
+
 def test_an_exact_field_is_refused():
     top = EulerTop((1, 2, 4), field=GF(10007))
     with pytest.raises(ArgumentError, match=r"field = GF\(10007\).*needs a motion over RR or MP"):

@@ -189,7 +189,7 @@ def test_all_coefficients_are_below_the_majorant(name) -> None:
         for row, tail in zip(rows[:4], tails, strict=True):
             sizes = [abs(x) * (k + 1) ** 2 / translations._ratio**k for k, x in enumerate(row)]
             assert not any(size > tail for size in sizes[16:])
-            # the bound is not only true because it is huge
+            # nor is the bound huge
             assert max(map(float, sizes[16:])) > 1e-9 * float(tail)
         # orders that grow faster than the bound are not proven
         assert not majorant(translations.f, few, translations._ratio / 10**9)

@@ -159,7 +159,8 @@ def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(n
 
 
 # hundreds of panels beside the separatrix of a heavy ball, whose branch points are close together: the error was 6e-12
-# when the shadow was put on the level of the motion itself, and 1e-11 when nothing was
+# where the second motion (the shadow of :mod:`integrable.moving_point.short_start`) was projected onto the level set of
+# the first, and 1e-11 without a projection
 HEAVY = {
     597: (
         (1.019281468602172, 1.4474190531258602, 2.928171698369475),

@@ -417,7 +417,7 @@ def test_one_time_alone_is_that_of_the_series(time, tilt) -> None:
     time = flow.carrier.setup.wide.coerce(time)
     (alone,) = flow.at([time])[0]
     assert not flow.carrier._clocks
-    # a second one has the series
+    # the second request makes the series of the clock
     (again,) = flow.at([time])[0]
     assert flow.carrier._clocks
     assert abs(again - alone) <= abs(again) * flow.carrier.setup.wide.coerce(10) ** -275

@@ -63,7 +63,7 @@ def test_multiprecision_has_them_at_any_time(system, start):
     for digits in (30, 50):
         K = MP(digits)
         wide = type(system)(system.inertia, *([system.d] if system.d else []), field=K)
-        # 0.6 and 0.8 as floats are no unit vector
+        # the floats nearest to 0.6 and 0.8 do not make an exact unit vector
         length = K.sqrt(sum(K.coerce(x) ** 2 for x in start[0]))
         state = wide.state([K.coerce(x) / length for x in start[0]], start[1])
         flow = wide.flow(state)

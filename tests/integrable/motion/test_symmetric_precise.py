@@ -58,7 +58,7 @@ def test_near_the_start_it_is_what_additions_give(name) -> None:
     rows, tau = precise_of(flow).at(np.array(times, dtype=object))
     assert abs(np.hstack([run.gamma, run.M]) - rows).max() <= 1e-29
     assert abs(run.tau - tau).max() <= 1e-28
-    # and back
+    # from τ back to the states and to t
     assert _gap(flow.at_tau(run.tau), run) <= 1e-28
     assert abs(flow.physical_time(run.tau) - run.times).max() <= 1e-28
 

@@ -38,7 +38,8 @@ def readable(setup, state) -> Problem:
     state = onto_constraints(body, state)
     matrix, alpha, beta = None, K.one, K.zero
     if tilt is not None:
-        matrix, (alpha, beta), body = tilt.inverse_matrix(), tilt.rate(), tilt.upright
+        matrix, alpha, beta = tilt.inverse_matrix(), tilt.s, body.d * tilt.k * tilt.s * tilt.s / tilt.p
+        body = tilt.upright
         state = onto_constraints(body, State(*tilt.apply_vectors(state.gamma, state.M)))
     h1, h2 = body.integrals(state.gamma, state.M)[2:]
     top, spin = max(body.a), K.sqrt(h2)

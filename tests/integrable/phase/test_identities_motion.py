@@ -133,6 +133,7 @@ def test_invariant_measure(K, kind) -> None:
     K = K()
     system, state, _ = tilted_state(K, 6, kind)
     assert measure_divergence(system.body, state.gamma, state.M) == K.zero
+    assert measure_divergence(system.body, state.M, state.gamma) == K.zero
     if kind == "ball":
         rate = system.vector_field(state)
         # div ω-field alone is −ġ/g = −½g²·d(g⁻²)/dt·(−1) ≠ 0

@@ -10,7 +10,8 @@ import pytest
 
 from integrable import ChaplyginBall, Check, EulerTop, Hat, Tilde
 from integrable.phase import separation
-from integrable.phase.brackets import differential, image_brackets, jacobian_matrix, over, root, weighted_matrix
+from integrable.phase.brackets import differential, image_brackets, jacobian_matrix, over, weighted_matrix
+from integrable.phase.coordinates import g_of
 from integrable.phase.separation import Separated
 from integrable.steps.translation import moving_branch_point, on_line
 from jacobian import GF, MP, poly
@@ -60,7 +61,7 @@ def _six(state):
 def _speeds(system, state):
     """(γ̇, Ṁ) in t and in τ, dτ = g dt."""
     K, rate = system.field, _six(system.vector_field(state))
-    g = root(system, state) if system.body.rolls else K.one
+    g = g_of(system.body, state) if system.body.rolls else K.one
     return rate, tuple(K.div(x, g) for x in rate)
 
 

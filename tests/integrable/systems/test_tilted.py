@@ -78,15 +78,15 @@ def test_every_relation_of_the_transformation(system) -> None:
 
 
 def test_the_clock_of_a_tilted_body_is_a_function_of_the_transformed_state() -> None:
-    """1/g = (α + βñ)/g̃, exactly."""
+    """1/g = (α + βñ)/g̃, exactly, with α = s and β = dks²/p: dt̃/dt = s(1 − dkn), n = (γ, ω), and ω = ω̃ dt̃/dt."""
     system, rng = SYSTEMS["ball"](GF(2**61 - 1)), Random(3)
     K = system.field
     for _ in range(10):
         state = tilted_state(system, rng)
         upright, image, change = system.upright(state)
-        first, second = change.rate()
+        beta = K.div(K.mul(K.mul(system.d, change.k), K.mul(change.s, change.s)), change.p)
         spin = K.dot(image.gamma, upright.omega(image))
-        assert K.inv(state.g) == K.div(K.add(first, K.mul(second, spin)), image.g)
+        assert K.inv(state.g) == K.div(K.add(change.s, K.mul(beta, spin)), image.g)
 
 
 def test_the_vector_field_is_mapped_to_that_of_the_other_body() -> None:
