@@ -10,6 +10,7 @@ runs any of SciPy's integrators on any equations. :func:`taylor` is a Taylor-ser
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -171,9 +172,8 @@ class _Series:
         self.expansions = 0
 
     def follow(self, y: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
-        """Fill ``rows[i]`` for i in ``order``, starting with y at time 0.
-
-        ``order`` lists the times of one ``sign``, by distance from 0.
+        """Writes ``rows[i]``, the state at ``wanted[i]``, for i in ``order``: the indices of the times of one ``sign``,
+        by distance from 0. ``y`` is the state at time 0.
         """
         now = self.context.zero
         pending = list(reversed(order))
@@ -214,22 +214,15 @@ class _Series:
 
     def step(self, series: list[list[Any]]) -> Any:
         """The step at which the last terms fall below the tolerance, relative to γ and to M."""
-        radius = None
+        bounds = []
         for vector in (series[:3], series[3:]):
             scale = max(abs(c[0]) for c in vector)
             for k in (self.order - 1, self.order):
                 size = max(abs(c[k]) for c in vector)
                 if size:
-                    bound = (self.tolerance * scale / size) ** (self.context.one / k)
-                    radius = bound if radius is None else min(radius, bound)
-        return self.context.inf if radius is None else radius
+                    bounds.append((self.tolerance * scale / size) ** (self.context.one / k))
+        return min(bounds, default=self.context.inf)
 
     def evaluate(self, series: list[list[Any]], time: Any) -> list[Any]:
         """The six components a ``time`` after the centre of the expansion."""
-        values = []
-        for component in series:
-            value = self.context.zero
-            for coefficient in reversed(component):
-                value = value * time + coefficient
-            values.append(value)
-        return values
+        return [reduce(lambda value, c: value * time + c, reversed(component)) for component in series]

@@ -21,23 +21,15 @@ SHORT = 110
 """The number of characters of an error message that a table shows; the row's file has all of it."""
 
 BEHIND = (
-    "scene",
-    "method",
-    "rows",
-    "most accurate of them",
-    "run time",
-    "error γ",
-    "flow's error in that time",
-    "floor",
-    "flow as accurate after",
-    "by how much",
-)
+    "scene", "method", "rows", "most accurate of them", "run time", "error γ", "flow's error in that time", "floor",
+    "flow as accurate after", "by how much",
+)  # fmt: skip
 
 
 def behind_cells(study: Study, behind: Behind, count: int) -> tuple[str, ...]:
     row, found = behind.row["result"], study.of(behind.scene)
     floor, name = found.floor, behind.scene if found.moved_by_divisors else f"{behind.scene}, integrated: no divisors"
-    least = f"{figure(behind.flow_error)}" if behind.flow_error is not None else _none_yet(behind)
+    least = figure(behind.flow_error) if behind.flow_error is not None else _none_yet(behind)
     named = (name, behind.row["row"]["method"], str(count), behind.row["row"]["setting"])
     return (
         *named,
@@ -125,18 +117,9 @@ def _way(found: SceneFindings) -> str:
 
 
 SCENES = (
-    "scene",
-    "flow",
-    "error γ",
-    "floor γ",
-    "error M",
-    "floor M",
-    "over floor",
-    "run time",
-    "truth",
-    "checked to t",
+    "scene", "flow", "error γ", "floor γ", "error M", "floor M", "over floor", "run time", "truth", "checked to t",
     "differs",
-)
+)  # fmt: skip
 
 
 def scene_cells(found: SceneFindings) -> tuple[str, ...]:

@@ -199,7 +199,8 @@ def claimed(store, key):
     try:
         yield lock is not None
     finally:
-        store.release(lock)
+        if lock is not None:
+            lock.release()
 
 
 def test_a_claim_is_for_one_and_ends_with_its_process(tmp_path):
@@ -208,7 +209,7 @@ def test_a_claim_is_for_one_and_ends_with_its_process(tmp_path):
         assert (mine, theirs, other) == (True, False, True)
     code = (
         "import sys, time; from integrable.study.store import Store; "
-        "Store(sys.argv[1]).claim('a'); print('held', flush=True); time.sleep(600)"
+        "lock = Store(sys.argv[1]).claim('a'); print('held', flush=True); time.sleep(600)"
     )
     process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True)
     with process.stdout:
