@@ -107,22 +107,13 @@ class _Run:
     def own(self) -> Task:
         return self.flows[0]
 
-    @property
-    def finer(self) -> Task | None:
-        """The task of a row with enough digits to be the reference for the result, or None."""
-        own = self.own.value or 0
-        more = [task for task in self.flows if (task.value or 0) >= own + MORE and task.scene is self.own.scene]
-        return min(more, key=lambda task: task.value or 0, default=None)
-
     @cached_property
     def rivals(self) -> list[Task]:
         """The tasks of SciPy's integrator."""
         tasks = []
         for tolerance in map(float, self.asked.tolerances):
-            name = f"{tolerance:.0e}"
-            setting = f"tol {name}".replace("e-0", "e-")
-            task = self._task("tolerance", DOP853, setting, tolerance, f"DOP853 at {name}", self.asked.repeat)
-            tasks.append(task)
+            setting, label = f"tol {tolerance:.0e}".replace("e-0", "e-"), f"DOP853 at {tolerance:.0e}"
+            tasks.append(self._task("tolerance", DOP853, setting, tolerance, label, self.asked.repeat))
         return tasks
 
     @cached_property
@@ -186,11 +177,15 @@ class _Run:
         return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
 
     def _judge(self, task: Task) -> Truth:
-        """The reference for a row's errors: the truth, or for the run's own result a row with more digits."""
-        if task is self.own and (finer := self.finer) is not None:
-            system, _ = finer.scene.start(int(finer.value or 0))
-            return Truth(finer.scene, kept(system, [self.flow(finer)], int(finer.value or 0)))
-        return Truth(task.scene, self.truth(task.scene))
+        """The reference for a row's errors: the truth, or for the run's own result the row with the fewest digits that
+        has at least MORE digits more.
+        """
+        finer = [one for one in self.flows if (one.value or 0) >= self.digits + MORE and one.scene is task.scene]
+        if task is not self.own or not finer:
+            return Truth(task.scene, self.truth(task.scene))
+        digits = int(finer[0].value or 0)
+        system, _ = task.scene.start(digits)
+        return Truth(task.scene, kept(system, [self.flow(finer[0])], digits))
 
     def _rival(self, task: Task) -> Row:
         """The row of SciPy's integrator. If the integrator failed, the row has the reason and no figures."""

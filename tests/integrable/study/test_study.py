@@ -263,7 +263,7 @@ def test_a_worker_that_dies_costs_its_row_alone(rows, tmp_path):
         assert content["error"] == "the process died with exit code -9"
     finally:
         worker.stop()
-        worker.let_go(store)
+        worker.let_go()
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="processes are looked up in /proc")
@@ -286,7 +286,7 @@ def test_what_a_stopped_worker_has_started_ends_with_it(source, tmp_path):
         assert started()
     finally:
         worker.stop()
-        worker.let_go(store)
+        worker.let_go()
     until = time.monotonic() + 60
     while started() and time.monotonic() < until:
         time.sleep(0.01)
