@@ -9,10 +9,7 @@ from importlib.util import find_spec
 
 from jacobian.errors import ArgumentError
 
-__all__ = ["APP", "MissingExtraWarning", "command", "installed", "needed", "version_of", "without"]
-
-APP = ("scipy", "matplotlib", "tqdm")
-"""The libraries that the extra ``app`` installs."""
+__all__ = ["MissingExtraWarning", "command", "installed", "needed", "version_of", "without"]
 
 
 class MissingExtraWarning(UserWarning):

@@ -54,7 +54,9 @@ class Given(NamedTuple):
 
 
 Started = Callable[[Sequence[Any]], Run]
+"""A function from a start to its Run."""
 Built = Callable[[Given], Started]
+"""A function from a system to its Started."""
 DOUBLE_DIGITS = 15
 
 

@@ -101,7 +101,6 @@ def _read(name: str, place: str, text: str) -> Scene:
 
 
 def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
-    """The name, system, title, reference and description of a scene."""
     words = {key: top.text(key, "").strip() for key in _WORDS}
     return {"name": name, "system": system, **words, "title": top.text("title", name)}
 

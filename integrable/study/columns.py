@@ -68,13 +68,10 @@ def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tupl
     return (found.scene.name, *cells, *once_cells(found.standings))
 
 
-def once_cells(standings: Sequence[Standing]) -> tuple[str, str, str, str]:
-    """The ranges of one-time costs, per system and per machine, of the flow and of its fastest competitors."""
+def once_cells(standings: Sequence[Standing]) -> tuple[str, ...]:
+    """Four cells: the ranges of the costs once a system, then once a machine, of the flow and of its competitors."""
     sides = ([s.flow for s in standings], [s.peer for s in standings if s.peer is not None])
-    first, second, third, fourth = (
-        _span([row[part] for row in side]) for part in ("system", "machine") for side in sides
-    )
-    return first, second, third, fourth
+    return tuple(_span([row[part] for row in side]) for part in ("system", "machine") for side in sides)
 
 
 def _span(seconds: Sequence[float]) -> str:

@@ -56,11 +56,10 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
         chosen, motion = _chosen(scene, digits, task.limits.floor_times)
         try:
             found = conditioning(*scene.start(digits), chosen, motion)
+            break
         except (JacobianError, ArithmeticError):
             if digits > FLOAT_DIGITS:
                 raise
-            continue
-        break
     floors = found.floor()
     return {
         "floor_gamma": floors[0],

@@ -111,7 +111,6 @@ def _hand_out(
 
 
 def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any]) -> list[Task]:
-    """Store the workers' results, and return their tasks."""
     done = []
     for worker in workers:
         content, task = worker.finished(), worker.task
