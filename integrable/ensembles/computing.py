@@ -60,7 +60,7 @@ Part = Callable[[int, int], list[Said]]
 def gathered(
     count: int, length: int, part: Part, most: int | None = None, names: Names = OF_BODIES, members: int = MEMBERS
 ) -> Outcome:
-    """The outcome of ``count`` members at ``length`` times. ``part`` is called for ranges of at most ``members`` members,
+    """The outcome of ``count`` members at ``length`` times. ``part`` is called for ranges of at most ``members``,
     on all threads or on ``most``.
 
     A member whose outcome ``part`` does not return has all its states, computed by the usual way.
