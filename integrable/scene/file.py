@@ -248,6 +248,8 @@ def _read_times(table: Table, key: str) -> Times:
         spaced.fail("from", f"{float(first)} given; a time {'≥ 0' if spacing == 'linear' else '> 0'} is needed")
     if until <= first:
         spaced.fail("until", f"{float(until)} given; a time after {float(first)} is needed")
+    if spacing == "log" and until / first > 10**300:  # the ratio must be a float
+        spaced.fail("until", f"{float(until)} given; at most 1e300 times {float(first)} is needed")
     count = spaced.integer("count", 2)
     if count > MOST_TIMES:
         memory = count * BYTES_OF_A_TIME / 1e9
