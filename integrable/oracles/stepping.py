@@ -57,7 +57,7 @@ def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, 
         raise ArgumentError(f"step = {step}: give a positive step")
     found = []
     for i, time in enumerate(times):
-        if sign * time <= 0:
+        if not sign * time > 0:
             continue
         if isinstance(step, float):
             count, rest = divmod(abs(Fraction(time)), Fraction(step))
