@@ -34,7 +34,9 @@ class Solution(NamedTuple):
     gamma: np.ndarray
     M: np.ndarray
     evaluations: int
-    """The number of evaluated right-hand sides, of expansions for Taylor series, or of states for closed forms."""
+    """The number of evaluated right-hand sides; of expansions for Taylor series, of steps for heyoka's, of states for
+    closed forms.
+    """
 
 
 def is_body(system: Any) -> bool:
