@@ -46,21 +46,9 @@ _HOME = {
 }
 
 __all__ = [
-    "ChaplyginBall",
-    "Check",
-    "EulerTop",
-    "Gyroscopic",
-    "Hat",
-    "RigidBody",
-    "RollingBall",
-    "Tilde",
-    "Trajectory",
-    "ensemble",
-    "laboratory_ensemble",
-    "load_scene",
-    "run",
-    "sweep",
-]
+    "ChaplyginBall", "Check", "EulerTop", "Gyroscopic", "Hat", "RigidBody", "RollingBall", "Tilde", "Trajectory",
+    "ensemble", "laboratory_ensemble", "load_scene", "run", "sweep",
+]  # fmt: skip
 
 
 if getattr(jacobian, "__distribution__", "") != "jacobian-integrable":

@@ -15,12 +15,13 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import wrap
 from typing import Any, NoReturn, TypeVar
 
+from integrable.extras import version_of
 from integrable.scene.file import load_scene, scene_names
 from jacobian.errors import ArgumentError, JacobianError, shortened
 from jacobian.terminal import CommandParser, write_anything
@@ -83,7 +84,9 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_folded(_EPILOG),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"integrable {_version()}")
+    parser.add_argument(
+        "--version", action="version", version=f"integrable {version_of('jacobian-integrable') or '(not installed)'}"
+    )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
     scenes = commands.add_parser("scenes", help="list the scenes that ship with the package")
     scenes.add_argument("--json", action="store_true", help="the scenes themselves, as JSON on stdout")
@@ -100,13 +103,12 @@ def _parser() -> argparse.ArgumentParser:
         "--format", choices=("png", "svg", "both"), default="png", help="format of the pictures (default: png)"
     )
     run.add_argument("--no-plots", action="store_true", help="no pictures, and matplotlib is not imported")
-    _add_quiet(run)
     run.add_argument(
         "--json",
         action="store_true",
         help="the result as JSON on stdout (integrable/schemas/result.json says what is in it); files with --out only",
     )
-    _add_progress(run)
+    _add_quiet(run)
     _add_sweep(commands)
     _add_view(commands)
     _add_report(commands)
@@ -131,9 +133,6 @@ def _scenes_and_files(prefix: str, **_: Any) -> list[str]:
 
 def _add_quiet(command: argparse.ArgumentParser) -> None:
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
-
-
-def _add_progress(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
     )
@@ -164,7 +163,6 @@ def _add_sweep(commands: Any) -> None:
     )
     sweep.add_argument("--chunk", type=int, metavar="N", help="number of motions computed and stored together")
     _add_quiet(sweep)
-    _add_progress(sweep)
 
 
 def _sweep(arguments: argparse.Namespace) -> None:
@@ -238,7 +236,6 @@ def _add_report(commands: Any) -> None:
         help="what report.json in the folder holds (integrable/schemas/report.json) as JSON on stdout too",
     )
     _add_quiet(report)
-    _add_progress(report)
 
 
 def _add_race(commands: Any) -> None:
@@ -262,7 +259,6 @@ def _add_race(commands: Any) -> None:
         "--json", action="store_true", help="what race.json holds as JSON on stdout; no files without --out"
     )
     _add_quiet(race)
-    _add_progress(race)
 
 
 def _race(arguments: argparse.Namespace) -> None:
@@ -290,15 +286,6 @@ def _race(arguments: argparse.Namespace) -> None:
         found.write(out)
         if not (arguments.quiet or arguments.json):
             print(f"\nfiles written to {out}")
-
-
-def _version() -> str:
-    from importlib import metadata
-
-    try:
-        return metadata.version("jacobian-integrable")
-    except metadata.PackageNotFoundError:
-        return "(not installed)"
 
 
 def _list_scenes(arguments: argparse.Namespace) -> None:
@@ -374,7 +361,7 @@ def _view(arguments: argparse.Namespace) -> None:
     print(f"open {view(scene, out, until=arguments.until, frames=arguments.frames)} in a browser")
 
 
-def _doctor() -> int:
+def _doctor(_: argparse.Namespace) -> int:
     from integrable.doctor import findings
 
     found = findings()
@@ -438,24 +425,18 @@ def _one_line(message: Warning | str, *_: Any, **__: Any) -> None:
 def _silent(*_: Any, **__: Any) -> None: ...
 
 
+_COMMANDS: dict[str, Callable[[argparse.Namespace], int | None]] = {
+    "scenes": _list_scenes, "run": _run, "sweep": _sweep, "view": _view, "report": _report, "race": _race,
+    "doctor": _doctor,
+}  # fmt: skip
+
+
 def _obey(arguments: argparse.Namespace) -> int:
     try:
         if arguments.command is None:
             print(_folded(_FIRST))
-        elif arguments.command == "scenes":
-            _list_scenes(arguments)
-        elif arguments.command == "report":
-            _report(arguments)
-        elif arguments.command == "race":
-            _race(arguments)
-        elif arguments.command == "sweep":
-            _sweep(arguments)
-        elif arguments.command == "view":
-            _view(arguments)
-        elif arguments.command == "doctor":
-            return _doctor()
-        else:
-            _run(arguments)
+        elif code := _COMMANDS[arguments.command](arguments):
+            return code
         if sys.stdout is not None:  # None if the caller has closed it
             sys.stdout.flush()
     except JacobianError as error:

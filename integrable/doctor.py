@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
+from integrable.extras import command, version_of
 from integrable.files.frame import version
 from integrable.scene.output import machine, versions
 from integrable.scene.tables import aligned
@@ -50,16 +50,9 @@ def findings() -> Findings:
 
 
 def _libraries() -> list[tuple[str, str]]:
-    found = {
-        name: number for name, number in versions().items() if name not in EXTRAS and name != "jacobian-integrable"
-    }
-    rows = [(name, number or "not installed") for name, number in found.items()]
-    for name, extra in EXTRAS.items():
-        try:
-            rows.append((name, metadata.version(name)))
-        except metadata.PackageNotFoundError:
-            rows.append((name, f"not installed: pip install 'jacobian-integrable[{extra}]'"))
-    return rows
+    others = (*EXTRAS, "jacobian-integrable")
+    rows = [(name, number or "not installed") for name, number in versions().items() if name not in others]
+    return rows + [(name, version_of(name) or f"not installed: {command(extra)}") for name, extra in EXTRAS.items()]
 
 
 def _kept() -> tuple[str, list[str]]:

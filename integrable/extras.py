@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from importlib import metadata
 from importlib.util import find_spec
 
 from jacobian.errors import ArgumentError
 
-__all__ = ["APP", "MissingExtraWarning", "command", "installed", "needed", "without"]
-
-APP = ("scipy", "matplotlib", "tqdm")
-"""The libraries that the extra ``app`` installs."""
+__all__ = ["MissingExtraWarning", "command", "installed", "needed", "version_of", "without"]
 
 
 class MissingExtraWarning(UserWarning):
@@ -21,6 +19,14 @@ class MissingExtraWarning(UserWarning):
 def installed(module: str) -> bool:
     """Whether a library is installed. The check does not import it."""
     return find_spec(module) is not None
+
+
+def version_of(library: str) -> str | None:
+    """The version of an installed library; None for one that is not installed."""
+    try:
+        return metadata.version(library)
+    except metadata.PackageNotFoundError:
+        return None
 
 
 def command(extra: str = "app") -> str:

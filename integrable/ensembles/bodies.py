@@ -8,7 +8,7 @@ members at once. A member within them is never refused, and a short run of compi
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -136,66 +136,49 @@ def computed(
 
     ``times`` has shape (1, N) or (K, N). At most ``most`` threads are used, by default all.
     """
-    quick = np.zeros(len(members), dtype=bool)
+    count, length = out.shape[:2]
     body = isinstance(system, System) and not interpreted()
-    if body and out.shape[1] <= MOST_TIMES:
-        quick = plain(members, tilted)
+    quick = plain(members, tilted) if body and length <= MOST_TIMES else np.zeros(count, dtype=bool)
     # "auto" would try a short run, which has been tried already
     kernel = "compiled" if body else "auto"
+
+    def part(begin: int, end: int) -> list[Said]:
+        left = np.ones(end - begin, dtype=bool)
+        for rolls in (True, False):
+            which = begin + np.flatnonzero(quick[begin:end] & ((members[begin:end, 3] != 0) == rolls))
+            if len(which):
+                had, rows, tau = short_runs(members, tilted, rolls, times, which)
+                out[had, :, :6], out[had, :, 6] = rows, tau
+                left[had - begin] = False
+        return [_one(motion, k, times, out) for k in (begin + np.flatnonzero(left)).tolist()]
 
     def motion(member: int) -> Motion:
         return motion_of(system, members[member], tilted, kernel)
 
-    return _Work(members, tilted, quick, motion, times, out).outcome(most)
+    return gathered(count, length, part, most)
 
 
 def computed_singly(motion: Callable[[int], Motion], times: np.ndarray, out: np.ndarray) -> Outcome:
     """:func:`computed` on one thread, for motions made one by one: ``motion(k)`` returns the motion of member k, or
     raises a JacobianError.
     """
-    none = np.zeros(len(out), dtype=bool)
-    return _Work(np.empty((len(out), 10)), False, none, motion, times, out).outcome(1)
+
+    def part(begin: int, end: int) -> list[Said]:
+        return [_one(motion, k, times, out) for k in range(begin, end)]
+
+    return gathered(len(out), out.shape[1], part, 1)
 
 
-class _Work(NamedTuple):
-    members: np.ndarray
-    tilted: bool
-    quick: np.ndarray
-    motion: Callable[[int], Motion]
-    times: np.ndarray
-    out: np.ndarray
-
-    def outcome(self, most: int | None) -> Outcome:
-        """Computes all members, range by range, and returns their outcome."""
-        count, length = self.out.shape[:2]
-        return gathered(count, length, self.part, most)
-
-    def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns the outcome of those without a short run."""
-        left = np.ones(end - begin, dtype=bool)
-        for rolls in (True, False):
-            which = begin + np.flatnonzero(self.quick[begin:end] & ((self.members[begin:end, 3] != 0) == rolls))
-            if len(which):
-                left[self.short_runs(which, rolls) - begin] = False
-        return [self.one(k) for k in (begin + np.flatnonzero(left)).tolist()]
-
-    def short_runs(self, which: np.ndarray, rolls: bool) -> np.ndarray:
-        """Computes the members ``which`` by short runs, and returns those for which a short run exists."""
-        had, rows, tau = short_runs(self.members, self.tilted, rolls, self.times, which)
-        self.out[had, :, :6], self.out[had, :, 6] = rows, tau
-        return had
-
-    def one(self, member: int) -> Said:
-        """Computes the states of one member by its flow, and returns the outcome."""
-        times = times_of(self.times, member)
-        try:
-            run = self.motion(member).at(times, strict=False)
-        except JacobianError as error:
-            self.out[member] = np.nan
-            return Said(member, "", str(error))
-        self.out[member, :, :6] = np.concatenate([run.gamma, run.M], axis=1)
-        self.out[member, :, 6] = run.tau
-        return Said(member, run.way, [run.reasons[n] for n in run.status.tolist()])
+def _one(motion: Callable[[int], Motion], member: int, times: np.ndarray, out: np.ndarray) -> Said:
+    """Writes the states of one member, by its flow, into ``out``, and returns the outcome."""
+    try:
+        run = motion(member).at(times_of(times, member), strict=False)
+    except JacobianError as error:
+        out[member] = np.nan
+        return Said(member, "", str(error))
+    out[member, :, :6] = np.concatenate([run.gamma, run.M], axis=1)
+    out[member, :, 6] = run.tau
+    return Said(member, run.way, [run.reasons[n] for n in run.status.tolist()])
 
 
 def short_runs(

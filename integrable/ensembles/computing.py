@@ -46,7 +46,7 @@ class Said(NamedTuple):
 
 
 class Names(NamedTuple):
-    """The names of the ways; the ``usual`` way is that of every member that a :data:`Part` does not report."""
+    """The names of the ways. The ``usual`` way is that of every member whose outcome a :data:`Part` does not return."""
 
     words: tuple[str, ...]
     usual: str
@@ -54,15 +54,16 @@ class Names(NamedTuple):
 
 OF_BODIES = Names(tuple(WAYS), "short run")
 Part = Callable[[int, int], list[Said]]
+"""A function that computes the members from ``begin`` to ``end`` − 1, and returns the outcome of some of them."""
 
 
 def gathered(
     count: int, length: int, part: Part, most: int | None = None, names: Names = OF_BODIES, members: int = MEMBERS
 ) -> Outcome:
-    """The outcome of ``count`` members at ``length`` times, from ``part(begin, end)`` for ranges of them, on all
-    threads or on ``most``. A range has at most ``members`` members.
+    """The outcome of ``count`` members at ``length`` times. ``part`` is called for ranges of at most ``members``,
+    on all threads or on ``most``.
 
-    A member that ``part`` does not report has all its states, computed by the usual way.
+    A member whose outcome ``part`` does not return has all its states, computed by the usual way.
     """
     size = max(1, min(members, STATES // max(1, length)))
     status, ways = np.zeros(count, dtype=np.intp), np.full(count, names.words.index(names.usual), dtype=np.int8)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -108,72 +108,53 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
         return found
 
     def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
-        return gathered(len(self), times.shape[1], _Work.of(self, times, out).part, most, IN_LABORATORY)
+        with np.errstate(all="ignore"):
+            members, frames, quick = _principal(self)
+        if interpreted() or times.shape[1] > MOST_TIMES:
+            quick = np.zeros_like(quick)
+        matrices, omega = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:]
+        rolls = self.body.radius is not None
+
+        def part(begin: int, end: int) -> list[Said]:
+            left = np.ones(end - begin, dtype=bool)
+            which = begin + np.flatnonzero(quick[begin:end])
+            if len(which):
+                had, rows, _ = short_runs(members, rolls, rolls, times, which)
+                matrices[had], omega[had] = self._in_laboratory(frames[had], rows)
+                left[had - begin] = False
+            return [own(k) for k in (begin + np.flatnonzero(left)).tolist()]
+
+        def own(member: int) -> Said:
+            try:
+                run = self.motion(member).at(times_of(times, member))
+                matrices[member], omega[member] = run.matrices, run.omega_body
+            except JacobianError as error:
+                matrices[member], omega[member] = np.nan, np.nan
+                return Said(member, "", str(error))
+            return Said(member, OWN, "")
+
+        return gathered(len(self), times.shape[1], part, most, IN_LABORATORY)
+
+    def _in_laboratory(self, frames: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Orientations and ω of H members, from ``rows``: their γ and M in principal axes, shape (H, N, 6).
+
+        ``frames`` are the rotations from the axes of :mod:`integrable.phase.attitude` to the laboratory.
+        """
+        body, axes = Body.make(self.body.moments, float(self.body._d), RR), self.body.axes
+        gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
+        turned = attitude.matrices(gamma, M).reshape(*rows.shape[:2], 3, 3)
+        omega, _ = attitude.angular_velocities(body, gamma, M)
+        return frames[:, None] @ turned @ axes.T, omega.reshape(*rows.shape[:2], 3) @ axes.T
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> LaboratoryRuns:
         return LaboratoryRuns(self, times, rows, outcome)
 
 
-class _Work(NamedTuple):
-    """The inputs of K members, and the arrays ``matrices`` and ``omega`` for their results.
-
-    ``members``, shape (K, 10), has the moments, d, γ and M in principal axes. ``frames`` are the rotations from the
-    axes of :mod:`integrable.phase.attitude` to the laboratory. ``quick`` is the mask of the members for which a short
-    run is tried.
-    """
-
-    many: LaboratoryEnsemble
-    members: np.ndarray
-    frames: np.ndarray
-    quick: np.ndarray
-    times: np.ndarray
-    matrices: np.ndarray
-    omega: np.ndarray
-
-    @staticmethod
-    def of(many: LaboratoryEnsemble, times: np.ndarray, out: np.ndarray) -> _Work:
-        with np.errstate(all="ignore"):
-            members, frames, quick = _principal(many)
-        if interpreted() or times.shape[1] > MOST_TIMES:
-            quick = np.zeros_like(quick)
-        return _Work(many, members, frames, quick, times, out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:])
-
-    def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns the outcome of those without a short run."""
-        left = np.ones(end - begin, dtype=bool)
-        which = begin + np.flatnonzero(self.quick[begin:end])
-        if len(which):
-            rolls = self.many.body.radius is not None
-            had, rows, _ = short_runs(self.members, rolls, rolls, self.times, which)
-            self.put(had, rows)
-            left[had - begin] = False
-        found = ((k, self.one(k)) for k in (begin + np.flatnonzero(left)).tolist())
-        return [Said(k, "" if why else OWN, why) for k, why in found]
-
-    def put(self, which: np.ndarray, rows: np.ndarray) -> None:
-        """Writes orientations and ω of the H members ``which``; ``rows`` are their γ and M, shape (H, N, 6)."""
-        inertia, d = self.members[0, :3].tolist(), float(self.members[0, 3])
-        gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
-        axes = self.many.body.axes
-        turned = attitude.matrices(gamma, M).reshape(*rows.shape[:2], 3, 3)
-        omega, _ = attitude.angular_velocities(Body.make(inertia, d, RR), gamma, M)
-        self.matrices[which] = self.frames[which, None] @ turned @ axes.T
-        self.omega[which] = omega.reshape(*rows.shape[:2], 3) @ axes.T
-
-    def one(self, member: int) -> str:
-        """Computes one member by its own motion. Returns the reason if the motion is refused, else ""."""
-        try:
-            run = self.many.motion(member).at(times_of(self.times, member))
-            self.matrices[member], self.omega[member] = run.matrices, run.omega_body
-        except JacobianError as error:
-            self.matrices[member], self.omega[member] = np.nan, np.nan
-            return str(error)
-        return ""
-
-
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The arrays ``members``, ``frames`` and ``quick`` of :class:`_Work`, computed in floats for all members together,
-    as :mod:`integrable.laboratory.bodies` does for one.
+    """For each member the moments, d, γ and M in principal axes, shape (K, 10); the rotation from the axes of
+    :mod:`integrable.phase.attitude` to the laboratory; and whether a short run is tried.
+
+    They are computed in floats for all members together, as :mod:`integrable.laboratory.bodies` does for one.
     """
     body, given = many.body, many.orientations
     flipped = given.transpose(0, 2, 1)
@@ -188,7 +169,7 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     else:
         gamma = np.cross(M, np.eye(3)[abs(M).argmin(axis=1)])
         gamma /= np.linalg.norm(gamma, axis=1)[:, None]
-    # ``frames`` times the matrices of the attitude are the orientations, which at time 0 are ``start``
+    # orientation = frame · attitude at every time, and the orientation at time 0 is ``start``
     frames = start @ attitude.matrices(gamma, M).transpose(0, 2, 1)
     rows = np.hstack([np.broadcast_to([*inertia, d], (len(many), 4)), gamma, M])
     aside = np.sort(abs(spin), axis=1)

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -90,72 +90,63 @@ class PathEnsemble(Starts[MumfordFlow, "Paths"]):
         return self.system.flow(self.system.state(q, p), self.tolerance)
 
     def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
-        work = _Work(self, times, out)
-        return gathered(len(self), times.shape[1], work.part, most, OF_SYSTEMS, AT_A_TIME)
+        def part(begin: int, end: int) -> list[Said]:
+            flows: dict[int, MumfordFlow] = {}
+            found: list[Said] = []
+            for k in range(begin, end):
+                try:
+                    flows[k] = self._one(k)
+                except JacobianError as error:
+                    out[k] = np.nan
+                    found.append(Said(k, "", str(error)))
+            near = self._near(flows, times)
+            for i, (k, flow) in enumerate(flows.items()):
+                if near is not None and near.reached[i].all():
+                    out[k] = near.states[i].reshape(-1, out.shape[2])
+                    found.append(Said(k, SERIES, [], max(float(near.errors[i]), ROUNDED)))
+                else:
+                    found.append(_by_flow(k, flow, None if near is None else near.of(i), times_of(times, k), out))
+            return found
+
+        return gathered(len(self), times.shape[1], part, most, OF_SYSTEMS, AT_A_TIME)
+
+    def _near(self, flows: dict[int, MumfordFlow], times: np.ndarray) -> NearMany | None:
+        """The states near the start, computed for several members at once; None if the ensemble has few members."""
+        kind, length = self.system._kind, times.shape[1]
+        if len(self) < MANY or not (flows and length) or kind is None or interpreted():
+            return None
+        from integrable.series.many import walked_by_many
+
+        starts = np.array([(*flow.start.q, *flow.start.p) for flow in flows.values()])
+        own = np.broadcast_to(times_of_some(times, list(flows)), (len(flows), length))
+        most = np.array([flow._budget(length) for flow in flows.values()])
+        return walked_by_many(kind, self.system._walk_constants, starts, own, most, self.tolerance)
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Paths:
         return Paths(self, times, rows, outcome)
 
 
-class _Work(NamedTuple):
-    """The times of K members, and the array for their states."""
+def _by_flow(member: int, flow: MumfordFlow, near: Near | None, times: np.ndarray, out: np.ndarray) -> Said:
+    """Computes the states of one member, some of which ``near`` may contain already, and returns the outcome."""
+    way, estimate = "", 0.0
 
-    many: PathEnsemble
-    times: np.ndarray
-    out: np.ndarray
-
-    def part(self, begin: int, end: int) -> list[Said]:
-        """Computes the members of a range, and returns their outcome."""
-        flows: dict[int, MumfordFlow] = {}
-        found: list[Said] = []
-        for k in range(begin, end):
-            try:
-                flows[k] = self.many._one(k)
-            except JacobianError as error:
-                self.out[k] = np.nan
-                found.append(Said(k, "", str(error)))
-        near = self.near(flows)
-        for i, (k, flow) in enumerate(flows.items()):
-            if near is not None and near.reached[i].all():
-                self.out[k] = near.states[i].reshape(-1, self.out.shape[2])
-                found.append(Said(k, SERIES, [], max(float(near.errors[i]), ROUNDED)))
-            else:
-                found.append(self.one(k, flow, None if near is None else near.of(i)))
-        return found
-
-    def near(self, flows: dict[int, MumfordFlow]) -> NearMany | None:
-        """The states near the start, computed for several members at once; None if the ensemble has few members."""
-        kind, length = self.many.system._kind, self.times.shape[1]
-        if len(self.many) < MANY or not (flows and length) or kind is None or interpreted():
-            return None
-        from integrable.series.many import walked_by_many
-
-        starts = np.array([(*flow.start.q, *flow.start.p) for flow in flows.values()])
-        times = np.broadcast_to(times_of_some(self.times, list(flows)), (len(flows), length))
-        most = np.array([flow._budget(length) for flow in flows.values()])
-        return walked_by_many(kind, self.many.system._walk_constants, starts, times, most, self.many.tolerance)
-
-    def one(self, member: int, flow: MumfordFlow, near: Near | None) -> Said:
-        """Computes the states of one member, some of which ``near`` may contain already, and returns the outcome."""
-        times, way, estimate = times_of(self.times, member), "", 0.0
-
-        def computed(given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            nonlocal way, estimate
-            try:
-                path = flow._after(near, given) if near is not None and len(given) == len(times) else flow.at(given)
-            except NotRepresentable as error:
-                # states near the start may exist although states at later times cannot be computed
-                raise Infeasible(str(error)) from error
-            way, estimate = path.way, path.estimate
-            return np.hstack([path.q, path.p]), given
-
+    def computed(given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        nonlocal way, estimate
         try:
-            self.out[member], _, status, reasons = kept_rows(computed, times, np.nan, self.out.shape[2])
-        except JacobianError as error:
-            self.out[member] = np.nan
-            return Said(member, "", str(error))
-        whys = [] if status is None else [reasons[n] for n in status.tolist()]
-        return Said(member, "", whys[0]) if len(times) and all(whys) else Said(member, way, whys, estimate)
+            path = flow._after(near, given) if near is not None and len(given) == len(times) else flow.at(given)
+        except NotRepresentable as error:
+            # states near the start may exist although states at later times cannot be computed
+            raise Infeasible(str(error)) from error
+        way, estimate = path.way, path.estimate
+        return np.hstack([path.q, path.p]), given
+
+    try:
+        out[member], _, status, reasons = kept_rows(computed, times, np.nan, out.shape[2])
+    except JacobianError as error:
+        out[member] = np.nan
+        return Said(member, "", str(error))
+    whys = [] if status is None else [reasons[n] for n in status.tolist()]
+    return Said(member, "", whys[0]) if len(times) and all(whys) else Said(member, way, whys, estimate)
 
 
 class Paths(Runs):

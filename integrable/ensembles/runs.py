@@ -31,13 +31,8 @@ class Runs(Many[Any], Exported):
 
     def __init__(self, ensemble: Any, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:
         self.ensemble, self._times, self._rows = ensemble, times, rows
-        self.status, self._ways, self.reasons, self._partial = (
-            outcome.status,
-            outcome.ways,
-            outcome.reasons,
-            outcome.partial,
-        )
-        self._words = outcome.words
+        self.status, self.reasons, self._partial = outcome.status, outcome.reasons, outcome.partial
+        self._ways, self._words = outcome.ways, outcome.words
 
     def __repr__(self) -> str:
         refused = np.count_nonzero(self.status)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import metadata
 from typing import Any
 
 import numpy as np
 
-from integrable.extras import needed
+from integrable.extras import needed, version_of
 
 __all__ = ["Column", "Frame", "dataframe", "dataset", "version"]
 
@@ -64,10 +63,7 @@ class Frame:
 
 def version() -> str:
     """The version of this package."""
-    try:
-        return metadata.version("jacobian-integrable")
-    except metadata.PackageNotFoundError:
-        return "(not installed)"
+    return version_of("jacobian-integrable") or "(not installed)"
 
 
 def dataset(frame: Frame) -> Any:

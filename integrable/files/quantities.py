@@ -12,19 +12,9 @@ from integrable.files.frame import Column, Frame, version
 from jacobian.errors import ArgumentError, entries, shown
 
 __all__ = [
-    "AXES",
-    "QUANTITIES",
-    "Quantity",
-    "about",
-    "checked",
-    "columns",
-    "made_of",
-    "number",
-    "reasons_text",
-    "stamp",
-    "status_column",
-    "trajectory_frame",
-]
+    "AXES", "QUANTITIES", "Quantity", "about", "checked", "columns", "made_of", "number", "reasons_text", "stamp",
+    "status_column", "trajectory_frame",
+]  # fmt: skip
 
 
 class Quantity(NamedTuple):

@@ -86,10 +86,14 @@ class RigidBody(Made):
         M = np.array([x * w for x, w in zip(moments, spin, strict=True)], dtype=object)
         gamma, along = _across(K, M), M / K.sqrt(M @ M)
         frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
+        return Along(self._free_flow(gamma, M), frame)
+
+    def _free_flow(self, gamma: np.ndarray, M: np.ndarray) -> WideFlow:
+        """The flow of the free body with the moments ``_free_moments``; γ may be any vector fixed in space."""
         inner = _inner(self.field, 0)
         with unwarned():
-            system = EulerTop([inner.coerce(x) for x in moments], field=inner)
-        return Along(self._flow(system, gamma, M, False), frame)
+            system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
+        return self._flow(system, gamma, M, False)
 
     def _start(self, orientation: Any, omega: Any) -> tuple[Any, Any]:
         """The matrix from principal axes to the laboratory, and ω along these axes, in wide numbers."""
@@ -101,9 +105,8 @@ class RigidBody(Made):
     def _flow(self, system: Any, gamma: np.ndarray, M: np.ndarray, tilted: bool) -> WideFlow:
         K, coerce = self._wide, system.field.coerce
         body = Body(self._principal.moments, self._d, K) if system.d else Body(self._free_moments, K.zero, K)
-        (x1, x2, x3), (m1, m2, m3) = gamma, M
-        wide = State((x1, x2, x3), (m1, m2, m3), tilted=tilted)
-        near = State((coerce(x1), coerce(x2), coerce(x3)), (coerce(m1), coerce(m2), coerce(m3)), tilted=tilted)
+        wide = State(tuple(gamma), tuple(M), tilted=tilted)
+        near = State(tuple(map(coerce, gamma)), tuple(map(coerce, M)), tilted=tilted)
         return WideFlow(system, near, body, wide)
 
     def _value(self) -> tuple[object, ...]:
@@ -205,16 +208,10 @@ class RollingBall(RigidBody):
 
     def _vertical(self, start: np.ndarray, gamma: np.ndarray, rate: Real) -> Vertical:
         """The method for M ∥ γ, by the free body with the moments I + d and the momentum λγ, λ = ``rate``."""
-        K = self._wide
-        M = rate * gamma
-        inner = _inner(self.field, 0)
-        with unwarned():
-            system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
-        x = start[0]
         sign = 1 if rate > 0 else -1
         # the attitude of the free body has x along its momentum, and z along its γ, which is the x of the laboratory
-        frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * K.one
-        return Vertical(self._flow(system, x, M, False), frame, self._radius, sign)
+        frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * self._wide.one
+        return Vertical(self._free_flow(start[0], rate * gamma), frame, self._radius, sign)
 
 
 def _wide_field(field: Field) -> Any:

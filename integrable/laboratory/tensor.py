@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from jacobian.element import Table
 
-# allowed violation, relative to the largest entry, of symmetry and of I₁ + I₂ ≥ I₃: data from drawings are rounded
+# allowed violation of symmetry, relative to the largest entry: data from drawings are rounded
 ROUNDED = 1e-9
 # allowed deviation of R Rᵀ from 1
 ORTHOGONAL = 1e-8
@@ -40,7 +40,7 @@ def principal(K: Field, table: Matrix, eps: Any) -> Principal:
     """The principal moments and axes of a tensor over K = MP(digits). Moments that are equal up to rounding (``eps``)
     are replaced by their mean.
 
-    ArgumentError for a tensor that is not symmetric, not positive, or belongs to no body.
+    ArgumentError for a tensor that is not symmetric or not positive definite.
     """
     off = abs(table - table.T)
     size = abs(table).max()

@@ -23,7 +23,6 @@ from jacobian.fields.protocol import Field
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
-    from integrable.motion.trajectory import Trajectory
     from integrable.phase.state import State
     from integrable.phase.ways import Way
 
@@ -106,15 +105,12 @@ class Along:
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The rotations from principal axes to the laboratory, and ω along these axes."""
-        run = self._run(times)
+        run = self.flow.at(times)
         return self._frame @ run.attitude, run.omega
 
     def contact(self, times: np.ndarray) -> Any:
         """The path of the flow, rotated into the laboratory."""
-        return self._run(times).contact @ self._frame[:2, :2].T
-
-    def _run(self, times: np.ndarray) -> Trajectory:
-        return self.flow.at(times)
+        return self.flow.at(times).contact @ self._frame[:2, :2].T
 
 
 def numbers(field: Field, values: Any) -> np.ndarray:

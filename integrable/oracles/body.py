@@ -1,4 +1,4 @@
-"""The interfaces of bodies and states for these integrators, the equations of ball and top, and the result of a run."""
+"""Bodies and states as these integrators see them, the equations of ball and top, and the result of a run."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["Body", "Solution", "Start", "body_equations", "is_body"]
+__all__ = ["Body", "Solution", "Start", "body_equations", "cross", "is_body"]
 
 
 class Body(Protocol):
@@ -34,12 +34,19 @@ class Solution(NamedTuple):
     gamma: np.ndarray
     M: np.ndarray
     evaluations: int
-    """The number of evaluated right-hand sides, of expansions for Taylor series, or of states for closed forms."""
+    """The number of evaluated right-hand sides; of expansions for Taylor series, of steps for heyoka's, of states for
+    closed forms.
+    """
 
 
 def is_body(system: Any) -> bool:
     """Whether a system is a ball or a top: it then has ``inertia`` and ``d``."""
     return hasattr(system, "inertia") and hasattr(system, "d")
+
+
+def cross(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+    """x × y, in the numbers of the components, which may be arrays."""
+    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
 
 
 def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], list[Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ceil, log
 from typing import Any
@@ -31,16 +31,12 @@ class Gauss16(Method):
 
         rule, value = gauss16.rule(), float(setting)
         march = compiled(kind).fixed if self.parameter == "step" else compiled(kind).adaptive
+        said = f"{self.parameter} = {value}: the stages of the implicit step have not converged; take a smaller one"
 
-        def run(c: np.ndarray, start: np.ndarray, sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
-            out = np.empty((len(distances), kind.size))
-            cost = march(c, rule, start, distances, (sign, value), out)
-            if cost == gauss16.FAILED:
-                said = f"{self.parameter} = {value}: the stages of the implicit step have not converged"
-                raise PrecisionLoss(f"{said}; take a smaller one")
-            return out, int(cost)
+        def run(c: np.ndarray, start: np.ndarray, sign: float, distances: np.ndarray, out: np.ndarray) -> int:
+            return march(c, rule, start, distances, (sign, value), out)
 
-        return _built(kind, run)
+        return _built(kind, run, lambda: PrecisionLoss(said))
 
 
 @dataclass(frozen=True)
@@ -58,31 +54,36 @@ class CompiledTaylor(Method):
         if not 0 < tolerance < 1:
             raise ArgumentError(f"tolerance = {tolerance}: give a number between 0 and 1")
         order, march = max(4, ceil(-log(tolerance) / 2 + 1)), compiled(kind).taylor
+        said = "the steps of the Taylor series have become 0: there is a pole on the way"
 
-        def run(c: np.ndarray, start: np.ndarray, sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
-            out = np.empty((len(distances), kind.size))
-            cost = march(c, start, distances, (sign, tolerance, order), out)
-            if cost < 0:
-                raise RuntimeError("the steps of the Taylor series have become 0: there is a pole on the way")
-            return out, int(cost)
+        def run(c: np.ndarray, start: np.ndarray, sign: float, distances: np.ndarray, out: np.ndarray) -> int:
+            return march(c, start, distances, (sign, tolerance, order), out)
 
-        return _built(kind, run)
+        return _built(kind, run, lambda: RuntimeError(said))
 
 
-def _built(kind: Kind, run: Any) -> Built:
-    """A compiled loop as a function of a system, then of a start. The loop is compiled, or loaded, by this call."""
-    run(np.ones(len(kind.used)), np.ones(kind.size), 1.0, np.empty(0))
+def _built(kind: Kind, run: Callable[..., int], failure: Callable[[], Exception]) -> Built:
+    """A compiled loop ``run`` as a function of a system, then of a start. This call compiles or loads the loop.
+
+    ``run`` writes the states into its last argument and returns its cost, or a negative number if it fails.
+    """
+    run(np.ones(len(kind.used)), np.ones(kind.size), 1.0, np.empty(0), np.empty((0, kind.size)))
 
     def of_system(given: Given) -> Started:
         coefficients = np.array(kind.coefficients_of(given.constants), dtype=float)
-        return lambda start: _started(coefficients, np.array([float(x) for x in start]), run)
+
+        def started(start: Sequence[Any]) -> Run:
+            first = np.array([float(x) for x in start])
+
+            def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+                out = np.empty((len(distances), kind.size))
+                cost = run(coefficients, first, sign, distances, out)
+                if cost < 0:
+                    raise failure()
+                return out, int(cost)
+
+            return lambda times: by_sign(first, np.array([*times], dtype=float), reach)
+
+        return started
 
     return of_system
-
-
-def _started(coefficients: np.ndarray, start: np.ndarray, run: Any) -> Run:
-    def at(times: Sequence[Any]) -> Any:
-        wanted = np.array([*times], dtype=float)
-        return by_sign(start, wanted, lambda sign, distances: run(coefficients, start, sign, distances))
-
-    return at  # type: ignore[return-value]

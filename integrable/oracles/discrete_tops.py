@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from integrable.oracles.body import cross
 from integrable.oracles.stepping import Advance
 from jacobian.errors import ArgumentError, PrecisionLoss
 
@@ -45,8 +46,8 @@ def moser_veselov(moments: Sequence[Any], order: int = 2) -> Advance:
         J = shape or (modified_moments(moments, M, h) if order == 4 else list(moments))
         e0, e, passes = _rotation(J, M, h)
         M = [m - 4 / h * e[i - 2] * e[i - 1] * (J[i - 1] - J[i - 2]) for i, m in enumerate(M)]
-        turned = _cross(e, x)
-        again = _cross(e, turned)
+        turned = cross(e, x)
+        again = cross(e, turned)
         x = [a - 2 * e0 * b + 2 * c for a, b, c in zip(x, turned, again, strict=True)]
         return x + M, J, passes
 
@@ -93,7 +94,7 @@ def kahan_rotation(moments: Sequence[Any], x: Sequence[Any], M: Sequence[Any], n
     It is the γ̃ with γ̃ − γ = (step/2)(γ × ω̃ + γ̃ × ω), where ω = M/I and ω̃ = M̃/I.
     """
     w, after = ([step * m / (2 * moment) for m, moment in zip(v, moments, strict=True)] for v in (M, new))
-    right = [a + b for a, b in zip(x, _cross(list(x), after), strict=True)]
+    right = [a + b for a, b in zip(x, cross(x, after), strict=True)]
     # the matrix of γ̃ ↦ γ̃ − γ̃ × w
     return _solve([[1, -w[2], w[1]], [w[2], 1, -w[0]], [-w[1], w[0], 1]], right)
 
@@ -145,7 +146,3 @@ def _rotation(J: Vector, M: Vector, h: Any) -> tuple[Any, Vector, int]:
         if change == 0 or (last is not None and change >= last and change < 1e-8 * max(map(abs, e))):
             return (1 - sum(x * x for x in e)) ** (square**0 / 2), e, iteration + 1
     raise PrecisionLoss(f"step = {h}: the discrete top has found no rotation; take a smaller step")
-
-
-def _cross(x: Vector, y: Vector) -> Vector:
-    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from integrable.extras import needed
-from integrable.oracles.body import Solution
+from integrable.oracles.body import Solution, cross
 from jacobian.errors import ArgumentError
 
 __all__ = ["EllipticTop"]
@@ -114,7 +114,7 @@ class EllipticTop:
             return [*self.start, *self.M]
         e = [m / self.length for m in self.M]
         angle = -time * self.rate / self.length
-        turned, along = _cross(e, self.start), c.fdot(e, self.start)
+        turned, along = cross(e, self.start), c.fdot(e, self.start)
         cosine, sine = c.cos(angle), c.sin(angle)
         gamma = [
             cosine * x + sine * y + (1 - cosine) * along * z for x, y, z in zip(self.start, turned, e, strict=True)
@@ -150,7 +150,7 @@ class EllipticTop:
         return u - turns * self.period, -1 if turns % 2 else 1
 
     def _periodic(self, v: Any) -> Any:
-        """The periodic part of Π(n; am v) for |v| ≤ K: its mean growth is subtracted."""
+        """Π(n; am v) minus its mean growth, so a function of v of period 2K; here |v| ≤ K."""
         return self._third_kind(v) - self.mean * v
 
     def _third_kind(self, v: Any) -> Any:
@@ -186,7 +186,7 @@ class EllipticTop:
 
 def _steady(a: Vector, M: Vector) -> bool:
     """Whether M × AM = 0: a permanent rotation, or no motion."""
-    return not any(_cross(M, [x * m for x, m in zip(a, M, strict=True)]))
+    return not any(cross(M, [x * m for x, m in zip(a, M, strict=True)]))
 
 
 def _axes(a: Vector, M: Vector) -> tuple[list[int], int]:
@@ -204,8 +204,4 @@ def _frame(M: Any, root: Any) -> tuple[Vector, Vector, Vector]:
     across = root(M[0] * M[0] + M[1] * M[1])
     size = root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     e, node = [m / size for m in M], [-M[1] / across, M[0] / across, 0 * M[0]]
-    return e, node, _cross(e, node)
-
-
-def _cross(x: Vector, y: Vector) -> Vector:
-    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
+    return e, node, cross(e, node)

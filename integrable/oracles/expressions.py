@@ -7,6 +7,7 @@ constants alone, such as 1/(I + d), are coefficients; they are computed once per
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -31,6 +32,11 @@ class Node(NamedTuple):
     op: str
     args: tuple[Any, ...]
 
+    @property
+    def lines(self) -> tuple[int, ...]:
+        """The lines on which the operation acts; none for an input or a number."""
+        return () if self.op in ("y", "c", "number") else self.args
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -40,8 +46,6 @@ class Kind:
     """The kind of the systems: "ball", "top", or the name of their class."""
     size: int
     """The number of components of the state."""
-    inputs: int
-    """The number of constants of a system of this kind."""
     coefficients: tuple[Node, ...]
     """The program that computes the coefficients; its inputs "c" are the constants."""
     used: tuple[int, ...]
@@ -67,8 +71,6 @@ class Kind:
 
         ``context`` provides ``exp`` and ``sqrt`` for these numbers: an mpmath context, or None for floats.
         """
-        import math
-
         scope: dict[str, Any] = {name: getattr(context or math, name) for name in FUNCTIONS}
         exec(self._python, scope)
         rates: Callable[[Sequence[Any]], list[Any]] = scope["make"](*coefficients)
@@ -114,8 +116,6 @@ def evaluated(
     """The value of every line of a program. The numbers may be of any type that overloads the operators, such as
     symbolic expressions.
     """
-    import math
-
     values: list[Any] = []
     for op, args in nodes:
         if op in ("y", "c"):
@@ -139,7 +139,7 @@ _DO: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class _Book:
-    """The recorded lines without repetition, and their values at one state, so that formulas may compare them."""
+    """The recorded lines without repetition, and the value of each at one state, for formulas that compare numbers."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
@@ -153,6 +153,11 @@ class _Book:
             self.nodes.append(node)
             self.values.append(value)
         return Symbol(self, self._known[node])
+
+
+def _operators(op: str) -> tuple[Callable[[Symbol, Any], Symbol], Callable[[Symbol, Any], Symbol]]:
+    """The methods x, y ↦ x op y and x, y ↦ y op x of :class:`Symbol`."""
+    return lambda x, y: x._done(op, x, y), lambda x, y: x._done(op, y, x)
 
 
 class Symbol:
@@ -202,29 +207,10 @@ class Symbol:
             value = float("nan")  # undefined at this state, but perhaps not at others
         return self.book.line(op, left.index, right.index, value=value)
 
-    def __add__(self, other: Any) -> Symbol:
-        return self._done("add", self, other)
-
-    def __radd__(self, other: Any) -> Symbol:
-        return self._done("add", other, self)
-
-    def __sub__(self, other: Any) -> Symbol:
-        return self._done("sub", self, other)
-
-    def __rsub__(self, other: Any) -> Symbol:
-        return self._done("sub", other, self)
-
-    def __mul__(self, other: Any) -> Symbol:
-        return self._done("mul", self, other)
-
-    def __rmul__(self, other: Any) -> Symbol:
-        return self._done("mul", other, self)
-
-    def __truediv__(self, other: Any) -> Symbol:
-        return self._done("div", self, other)
-
-    def __rtruediv__(self, other: Any) -> Symbol:
-        return self._done("div", other, self)
+    __add__, __radd__ = _operators("add")
+    __sub__, __rsub__ = _operators("sub")
+    __mul__, __rmul__ = _operators("mul")
+    __truediv__, __rtruediv__ = _operators("div")
 
     def __neg__(self) -> Symbol:
         exact = self._number()
@@ -238,16 +224,13 @@ class Symbol:
     def __pow__(self, power: Any) -> Symbol:
         exponent = Fraction(power.value if isinstance(power, Symbol) else power)
         if exponent == Fraction(1, 2):
-            return self._function("sqrt", self.value**0.5)
+            return self.book.line("sqrt", self.index, value=self.value**0.5)
         if exponent.denominator != 1 or exponent < 1:
             raise TypeError(f"power {power}: only square roots and positive whole powers are recorded")
-        half = self ** (exponent // 2) if exponent > 1 else self
         if exponent == 1:
             return self
+        half = self ** (exponent // 2)
         return half * half if exponent % 2 == 0 else half * half * self
-
-    def _function(self, name: str, value: Any) -> Symbol:
-        return self.book.line(name, self.index, value=value)
 
     def __eq__(self, other: object) -> bool:
         return bool(self.value == (other.value if isinstance(other, Symbol) else other))
@@ -308,9 +291,7 @@ class Numbers:
 
     def exp(self, x: Symbol) -> Symbol:
         """e^x."""
-        from math import exp
-
-        return x._function("exp", exp(x.value))
+        return x.book.line("exp", x.index, value=math.exp(x.value))
 
     def sqrt(self, x: Symbol) -> Symbol:
         """√x."""
@@ -324,38 +305,28 @@ def recorded(
     numbers = Numbers()
     results = [numbers.coerce(x).index for x in formula(numbers, numbers.state(start))]
     nodes = numbers.book.nodes
-    moving, needed = [False] * len(nodes), [False] * len(nodes)
-    for k, (op, args) in enumerate(nodes):
-        moving[k] = op == "y" or (op not in ("c", "number") and any(moving[i] for i in args))
-    for i in results:
-        needed[i] = True
-    for k in range(len(nodes) - 1, -1, -1):
-        op, args = nodes[k]
-        if needed[k] and op not in ("y", "c", "number"):
-            for i in args:
-                needed[i] = True
+    needed = set(results)
+    for k in reversed(range(len(nodes))):
+        if k in needed:
+            needed.update(nodes[k].lines)
+    moving: set[int] = set()  # the lines that depend on the state
+    for k, node in enumerate(nodes):
+        if node.op == "y" or not moving.isdisjoint(node.lines):
+            moving.add(k)
     # a coefficient is a line that does not depend on the state, and is a result or an argument of a line that does;
     # short numbers are written into the code instead
-    outer = set(results)
-    for k, (op, args) in enumerate(nodes):
-        if needed[k] and moving[k] and op != "y":
-            outer |= set(args)
-    plain = {k for k in outer if nodes[k].op == "number" and _short(nodes[k].args[0])}
-    used = [k for k in range(len(nodes)) if k in outer and needed[k] and not moving[k] and k not in plain]
-    first = [k for k in range(len(nodes)) if needed[k] and not moving[k]]
+    outer = set(results).union(*(nodes[k].lines for k in needed & moving))
+    used = sorted(k for k in outer - moving if not (nodes[k].op == "number" and _short(nodes[k].args[0])))
+    first = sorted(needed - moving)
     place = {k: i for i, k in enumerate(first)}
     coefficients = tuple(_moved(nodes[k], place) for k in first)
     rates: list[Node] = []
     there: dict[int, int] = {}
-    for k in range(len(nodes)):
-        if not needed[k] or (not moving[k] and k not in outer):
-            continue
+    for k in sorted(needed & moving | outer):
         there[k] = len(rates)
         rates.append(Node("c", (used.index(k),)) if k in used else _moved(nodes[k], there))
-    kind = Kind(
-        name, len(start), len(numbers.constants), coefficients, tuple(place[k] for k in used), tuple(rates),
-        tuple(there[k] for k in results),
-    )  # fmt: skip
+    uses, found = tuple(place[k] for k in used), tuple(there[k] for k in results)
+    kind = Kind(name, len(start), coefficients, uses, tuple(rates), found)
     return kind, tuple(numbers.constants)
 
 
@@ -365,4 +336,4 @@ def _short(number: Fraction) -> bool:
 
 
 def _moved(node: Node, place: dict[int, int]) -> Node:
-    return node if node.op in ("y", "c", "number") else Node(node.op, tuple(place[i] for i in node.args))
+    return Node(node.op, tuple(place[i] for i in node.lines)) if node.lines else node

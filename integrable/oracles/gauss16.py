@@ -6,8 +6,9 @@ stages are solved by fixed-point iteration, which ends when it no longer improve
 floats, so the step has no systematic rounding error; γ and M are pairs of floats too (compensated sums).
 
 The coefficients a_ij are used as μ_ij = a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves
-quadratic integrals (Antoñana, Makazaga and Murua 2017). Each iteration starts from the polynomial of the previous
-step, extrapolated. The step is fixed, or adapted to a tolerance by the last Legendre coefficient of the stages.
+quadratic integrals (Antoñana, Makazaga and Murua 2017). The iteration of a step starts from the slopes that the
+collocation polynomial of the previous step, extrapolated, has at the stages. The step is fixed, or adapted to a
+tolerance by the last Legendre coefficient of the stages.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ def rule() -> Rule:
 
 @register_jitable(**INLINED)
 def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
-    """Writes h·b_i as high + low."""
+    """Writes h·b_i, i = 1 … 8, as the sums of floats high_i + low_i."""
     for i in range(STAGES):
         high[i], error = two_product(h, weights[i])
         low[i] = error + h * weights_low[i]
@@ -237,10 +238,8 @@ def _step(constants, transposed, weights, state, k, work):  # type: ignore[no-un
 
 @register_jitable(**INLINED)
 def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
-    """The data with which a run begins.
-
-    They are the ratios for :func:`_sums`, work arrays, the start's slopes for every stage, arrays for two more sets of
-    slopes, and the compensated state.
+    """What a run begins with: the ratios for :func:`_sums`, work arrays, the start's slopes for every stage, arrays for
+    two more sets of slopes, and the compensated state.
     """
     work, k = np.empty((4, len(start), STAGES)), np.empty((len(start), STAGES))
     points = work[2]

@@ -65,7 +65,9 @@ def compiled(kind: Kind) -> ModuleType:
         module = ModuleType(f"equations_{kind.key}")
         exec(compile(text, f"<{module.__name__}>", "exec"), module.__dict__)
         return module
-    name = f"equations_{kind.key}_{sha256((text + _sources()).encode()).hexdigest()[:12]}"
+    # a change of these sources, which are compiled into every kind, must change the name of the file
+    sources = "".join(map(_file, ("exact_floats", "gauss16", "taylor_compiled")))
+    name = f"equations_{kind.key}_{sha256((text + sources).encode()).hexdigest()[:12]}"
     path = folder / f"{name}.source"  # not .py, so that nothing imports it as an ordinary module
     if not path.exists():
         beside = path.with_suffix(f".{os.getpid()}")
@@ -98,11 +100,6 @@ def _file(name: str) -> str:
     return (Path(__file__).parent / f"{name}.py").read_text(encoding="utf-8")
 
 
-def _sources() -> str:
-    """The sources compiled into every kind; a change of them changes the name of the generated file."""
-    return "".join(map(_file, ("exact_floats", "gauss16", "taylor_compiled")))
-
-
 def _indented(lines: list[str], by: int) -> str:
     return "\n".join(" " * by + line for line in lines)
 
@@ -128,28 +125,27 @@ def expansion(kind: Kind) -> tuple[int, list[str]]:
             row[k], rows = rows, rows + 1
             lines.append(f"s[{row[k]}, k] = {_recurrence(node, row[k], row, fixed)}")
     for i, n in enumerate(kind.results):
-        rate = f"s[{row[n]}, k]" if n in row else f"({fixed[n]} if k == 0 else 0.0)"
-        lines.append(f"s[{i}, k + 1] = {rate} / (k + 1)")
+        lines.append(f"s[{i}, k + 1] = {_coefficient(n, row, fixed)} / (k + 1)")
     return rows, lines
 
 
 def _recurrence(node: Node, own: int, row: dict[int, int], fixed: dict[int, str]) -> str:
     """The code that computes Taylor coefficient k of one line of the equations."""
     op, args = node
+    terms = [_coefficient(n, row, fixed) for n in args]
     if op in ("exp", "sqrt"):
         return f"{'exponential' if op == 'exp' else 'root'}(s, {row[args[0]]}, {own}, k)"
     if op == "neg":
-        return f"-s[{row[args[0]]}, k]"
-    x, y = args
-    if x in row and y in row:
-        if op == "mul":
-            return f"convolved(s, {row[x]}, {row[y]}, k)"
-        if op == "div":
-            return f"quotient(s, s[{row[x]}, k], {row[y]}, {own}, k)"
-        return f"s[{row[x]}, k] {BINARY[op]} s[{row[y]}, k]"
-    if op == "div" and x in fixed:
-        return f"quotient(s, {fixed[x]} if k == 0 else 0.0, {row[y]}, {own}, k)"
-    parts = [f"s[{row[n]}, k]" if n in row else fixed[n] for n in args]
-    if op in ("add", "sub"):
-        parts = [p if n in row else f"({p} if k == 0 else 0.0)" for n, p in zip(args, parts, strict=True)]
-    return f"{parts[0]} {BINARY[op]} {parts[1]}"
+        return f"-{terms[0]}"
+    if op == "div" and args[1] in row:
+        return f"quotient(s, {terms[0]}, {row[args[1]]}, {own}, k)"
+    if op == "mul" and all(n in row for n in args):
+        return f"convolved(s, {row[args[0]]}, {row[args[1]]}, k)"
+    if op in ("mul", "div"):  # by a constant
+        terms = [fixed.get(n, term) for n, term in zip(args, terms, strict=True)]
+    return f"{terms[0]} {BINARY[op]} {terms[1]}"
+
+
+def _coefficient(n: int, row: dict[int, int], fixed: dict[int, str]) -> str:
+    """The code for Taylor coefficient k of line n, which is 0 for a constant and k > 0."""
+    return f"s[{row[n]}, k]" if n in row else f"({fixed[n]} if k == 0 else 0.0)"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +39,8 @@ class Heyoka(Method):
         # neumann and garnier to T = 1 … 1000: python -m benchmarks heyoka)
         options = {"tol": number(setting), "fp_type": real, "time": number(0)}
         integrator = heyoka.taylor_adaptive(system, np.zeros(kind.size, real), **options)
-        shared = Shared(integrator, integrator.state, integrator.pars, heyoka.taylor_outcome.time_limit)
+        # integrator, its arrays of state and parameters, and its outcome of a run that reached its end
+        shared = integrator, integrator.state, integrator.pars, heyoka.taylor_outcome.time_limit
 
         def of_system(given: Given) -> Started:
             coefficients = np.array(kind.coefficients_of(given.constants, number), real)
@@ -61,18 +62,8 @@ def equations(kind: Kind, number: Callable[[Any], Any] = float) -> list[tuple[An
     return [(x, values[i]) for x, i in zip(variables, kind.results, strict=True)]
 
 
-class Shared(NamedTuple):
-    """An integrator for all systems of a kind, and the data that its starts share."""
-
-    integrator: Any
-    state: np.ndarray
-    parameters: np.ndarray
-    done: Any
-    """heyoka's outcome of a run that reached its end."""
-
-
-def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:
-    """A run of a shared integrator from one start."""
+def _started(shared: tuple[Any, ...], coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:
+    """A run of the integrator of a kind, which all systems and starts share, from one start."""
     integrator, state, parameters, done = shared
     zero = number(0)
 

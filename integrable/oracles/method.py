@@ -38,7 +38,7 @@ from integrable.oracles.body import Solution, body_equations, is_body
 from integrable.oracles.expressions import Kind, recorded
 from jacobian.errors import ArgumentError, shown
 
-__all__ = ["Given", "Method", "Problem", "Spent", "kept", "problem_of", "time_scale", "timed_run"]
+__all__ = ["Given", "Method", "Problem", "Spent", "problem_of", "time_scale", "timed_run"]
 
 Run = Callable[[Iterable[Any]], Solution]
 """A function times ↦ Solution. The times may have any order and sign; the start is at time 0."""
@@ -54,7 +54,9 @@ class Given(NamedTuple):
 
 
 Started = Callable[[Sequence[Any]], Run]
+"""A function from a start to its Run."""
 Built = Callable[[Given], Started]
+"""A function from a system to its Started."""
 DOUBLE_DIGITS = 15
 
 
@@ -102,8 +104,6 @@ class Method(ABC):
     settings: tuple[float, ...]
     kinds: tuple[str, ...] = ()
     """The kinds of systems that it accepts, such as "ball" and "top"; empty: every kind."""
-    number: str = "float"
-    """The number type: "float", or "any" for methods that also compute in the mpf of a system over MP(digits)."""
     module: str = ""
     extra: str = ""
     """``module`` is the library that the method imports, and ``extra`` the extra of this package that installs it."""
@@ -163,7 +163,8 @@ class Method(ABC):
         if not isinstance(setting, Real) or not float(setting) > 0:
             raise ArgumentError(f"{self.parameter} = {shown(setting)}: give a positive {self.parameter}")
         kind, given, start = problem_of(system, state)
-        return kept(self, kind, setting)(given)(start)
+        built, _ = _kept(self, kind, setting)
+        return built(given)(start)
 
     def solve(self, system: Any, state: Any, times: Iterable[Any], setting: Any) -> Solution:
         """γ and M at ``times``, each of shape (N, 3); for other systems q and p, each of shape (N, n).
@@ -183,11 +184,6 @@ class Method(ABC):
 
 
 _KEPT: dict[tuple[Method, str, Any], tuple[Built, float]] = {}
-
-
-def kept(method: Method, kind: Kind, setting: Any) -> Built:
-    """The built code of a method for a kind. Each process builds it on first use."""
-    return _kept(method, kind, setting)[0]
 
 
 def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:

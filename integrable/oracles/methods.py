@@ -3,9 +3,9 @@
 
     METHODS["Gauss-Legendre 6"].solve(system, state, times, 0.1)     # Solution(gamma, M, evaluations)
 
-Each is a :class:`integrable.oracles.method.Method`. A system is either a body with ``inertia`` and ``d`` (ball, top) or
-an object whose method ``rates_in`` accepts any numbers (the deformations, the systems of :mod:`integrable.classical`).
-None of :mod:`jacobian`'s arithmetic is used.
+Each is a :class:`integrable.oracles.method.Method`. A system is a body with ``inertia`` and ``d`` (ball, top), or an
+object whose method ``rates_in`` computes ẏ in any number type (the deformations, the systems of
+:mod:`integrable.classical`). The arithmetic of :mod:`jacobian` is not used.
 """
 
 from __future__ import annotations
@@ -24,10 +24,8 @@ STEPS = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015)
 """Steps in units of the time scale of :meth:`Method.ladder`."""
 BODIES = ("ball", "top")
 
-_TABLE: tuple[Method, ...] = (
-    SciPy(
-        "SciPy DOP853", "Hairer, Nørsett & Wanner (1993)", "tolerance", TOLERANCES, module="scipy", extra="app",
-    ),
+METHODS: dict[str, Method] = {method.name: method for method in (
+    SciPy("SciPy DOP853", "Hairer, Nørsett & Wanner (1993)", "tolerance", TOLERANCES, module="scipy", extra="app"),
     SciPy(
         "SciPy DOP853, compiled", "the same, its right-hand side compiled by numba", "tolerance", TOLERANCES,
         module="scipy", extra="app", compiled=True,
@@ -40,16 +38,13 @@ _TABLE: tuple[Method, ...] = (
         "SciPy Radau", "Hairer & Wanner (1996)", "tolerance", TOLERANCES[:-2], module="scipy", extra="app",
         solver="Radau",
     ),
-    Collocation("implicit midpoint", "Gauss collocation, one stage", "step", STEPS, number="any", order=2),
+    Collocation("implicit midpoint", "Gauss collocation, one stage", "step", STEPS, order=2),
     Collocation(
-        "Gauss-Legendre 6", "Kuntzmann (1961), Butcher (1964), three stages", "step", STEPS, number="any", order=6,
-        stages=3,
+        "Gauss-Legendre 6", "Kuntzmann (1961), Butcher (1964), three stages", "step", STEPS, order=6, stages=3,
     ),
-    DiscreteTop("Moser-Veselov", "Moser & Veselov (1991)", "step", STEPS, number="any", order=2),
-    DiscreteTop("Moser-Veselov, order 4", "Hairer & Vilmart (2006)", "step", STEPS, number="any", order=4),
-    DiscreteTop(
-        "Hirota-Kimura", "Hirota & Kimura (2000), γ by Kahan's rule (1993)", "step", STEPS, number="any", order=2,
-    ),
+    DiscreteTop("Moser-Veselov", "Moser & Veselov (1991)", "step", STEPS, order=2),
+    DiscreteTop("Moser-Veselov, order 4", "Hairer & Vilmart (2006)", "step", STEPS, order=4),
+    DiscreteTop("Hirota-Kimura", "Hirota & Kimura (2000), γ by Kahan's rule (1993)", "step", STEPS, order=2),
     Gauss16(
         "Gauss-Legendre 16", "Hairer, McLachlan & Razakarivony (2008)", "step", (2.0, 1.4, 1.0, 0.7, 0.5),
         compiled=True, order=16,
@@ -72,15 +67,9 @@ _TABLE: tuple[Method, ...] = (
     ),
     EllipticForm(
         "closed elliptic form", "Jacobi (1850); floats by SciPy, above 15 digits mpmath", "digits", (15, 30, 50),
-        ("top",), module="scipy", extra="app", number="any",
+        ("top",), module="scipy", extra="app",
     ),
-    ManyDigits(
-        "Taylor, multiprecision", "Jorba & Zou (2005), on mpmath", "digits", (15, 20, 30, 40), BODIES, number="any",
-    ),
-    ManyDigits(
-        "mpmath odefun", "mpmath.odefun: Taylor series from differences", "digits", (15, 20), BODIES, number="any",
-    ),
-)  # fmt: skip
-
-METHODS: dict[str, Method] = {method.name: method for method in _TABLE}
+    ManyDigits("Taylor, multiprecision", "Jorba & Zou (2005), on mpmath", "digits", (15, 20, 30, 40), BODIES),
+    ManyDigits("mpmath odefun", "mpmath.odefun: Taylor series from differences", "digits", (15, 20), BODIES),
+)}  # fmt: skip
 """The methods by name."""

@@ -10,6 +10,7 @@ runs any of SciPy's integrators on any equations. :func:`taylor` is a Taylor-ser
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -99,20 +100,9 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     Work grows as (number of steps) · digits². A step is about a fifth of the distance to the nearest singularity
     in complex time. Times may be in any order and of either sign.
     """
-    if digits < 1:
-        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
-    import mpmath
-
-    context = mpmath.MPContext()
-    context.dps = digits + 12
+    context = _context(digits, 12)
     series = _Series(context, [_number(context, x) for x in body.inertia], _number(context, body.d), digits)
-    wanted = [_number(context, time) for time in times]
-    start = [_number(context, x) for x in (*state.gamma, *state.M)]
-    rows: list[list[Any]] = [start] * len(wanted)
-    for sign in (1, -1):
-        order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
-        series.follow(start, order, wanted, sign, rows)
-    table = np.array(rows, dtype=object).reshape(len(rows), 6)
+    table = _followed(context, state, times, series.follow)
     return Solution(table[:, :3], table[:, 3:], series.expansions)
 
 
@@ -122,13 +112,7 @@ def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     ``evaluations`` counts right-hand sides. ``odefun`` differentiates numerically and evaluates right-hand sides at
     several times the digits, so numbers of a fixed precision would not suffice.
     """
-    if digits < 1:
-        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
-    import mpmath
-
-    context = mpmath.MPContext()
-    context.dps = digits
-    start = [_number(context, x) for x in (*state.gamma, *state.M)]
+    context = _context(digits, 0)
     rates = body_equations([_number(context, x) for x in body.inertia], _number(context, body.d))
     evaluations = 0
 
@@ -137,16 +121,35 @@ def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
         evaluations += 1
         return rates(y)
 
+    def follow(start: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
+        # odefun only integrates forwards: for negative times the equations are reversed
+        solution = context.odefun(lambda t, y: [sign * x for x in counted(t, y)], context.zero, start)
+        for i in order:
+            rows[i] = list(solution(abs(wanted[i])))
+
+    table = _followed(context, state, times, follow)
+    return Solution(table[:, :3], table[:, 3:], evaluations)
+
+
+def _context(digits: int, guard: int) -> Any:
+    if digits < 1:
+        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
+    import mpmath
+
+    context = mpmath.MPContext()
+    context.dps = digits + guard
+    return context
+
+
+def _followed(context: Any, state: Start, times: Iterable[Any], follow: Callable[..., None]) -> np.ndarray:
+    """γ and M at ``times``, shape (N, 6), dtype object. ``follow`` is called as :meth:`_Series.follow` is."""
     wanted = [_number(context, time) for time in times]
+    start = [_number(context, x) for x in (*state.gamma, *state.M)]
     rows: list[list[Any]] = [start] * len(wanted)
     for sign in (1, -1):
         order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
-        # odefun only integrates forwards: for negative times the equations are reversed
-        solution = context.odefun(lambda t, y, s=sign: [s * x for x in counted(t, y)], context.zero, start)
-        for i in order:
-            rows[i] = list(solution(abs(wanted[i])))
-    table = np.array(rows, dtype=object).reshape(len(rows), 6)
-    return Solution(table[:, :3], table[:, 3:], evaluations)
+        follow(start, order, wanted, sign, rows)
+    return np.array(rows, dtype=object).reshape(len(rows), 6)
 
 
 def _number(context: Any, value: Any) -> Any:
@@ -171,9 +174,8 @@ class _Series:
         self.expansions = 0
 
     def follow(self, y: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
-        """Fill ``rows[i]`` for i in ``order``, starting with y at time 0.
-
-        ``order`` lists the times of one ``sign``, by distance from 0.
+        """Writes ``rows[i]``, the state at ``wanted[i]``, for i in ``order``: the indices of the times of one ``sign``,
+        by distance from 0. ``y`` is the state at time 0.
         """
         now = self.context.zero
         pending = list(reversed(order))
@@ -214,22 +216,15 @@ class _Series:
 
     def step(self, series: list[list[Any]]) -> Any:
         """The step at which the last terms fall below the tolerance, relative to γ and to M."""
-        radius = None
+        bounds = []
         for vector in (series[:3], series[3:]):
             scale = max(abs(c[0]) for c in vector)
             for k in (self.order - 1, self.order):
                 size = max(abs(c[k]) for c in vector)
                 if size:
-                    bound = (self.tolerance * scale / size) ** (self.context.one / k)
-                    radius = bound if radius is None else min(radius, bound)
-        return self.context.inf if radius is None else radius
+                    bounds.append((self.tolerance * scale / size) ** (self.context.one / k))
+        return min(bounds, default=self.context.inf)
 
     def evaluate(self, series: list[list[Any]], time: Any) -> list[Any]:
         """The six components a ``time`` after the centre of the expansion."""
-        values = []
-        for component in series:
-            value = self.context.zero
-            for coefficient in reversed(component):
-                value = value * time + coefficient
-            values.append(value)
-        return values
+        return [reduce(lambda value, c: value * time + c, reversed(component)) for component in series]

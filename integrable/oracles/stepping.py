@@ -14,7 +14,7 @@ import numpy as np
 from integrable.oracles.body import Solution
 from jacobian.errors import ArgumentError
 
-__all__ = ["by_sign", "follow", "solution_of", "split_times"]
+__all__ = ["by_sign", "follow", "split_times"]
 
 Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
 """(y, h, memory) ↦ (y after a step h, memory, evaluations). The memory speeds up the next step of the same h; None
@@ -23,10 +23,10 @@ stands for an empty memory.
 
 
 def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: Any) -> Solution:
-    """(γ, M) at ``times``, by steps of length ``step`` from time 0, forwards and backwards.
+    """γ and M, or q and p, at ``times``, by steps of length ``step`` from time 0, forwards and backwards.
 
     A time that is not a multiple of the step is reached by an extra, shorter step from the last multiple. So the
-    error at a time does not depend on the other times. Numbers are floats, or mpf of one context.
+    error at a time does not depend on the other times. The arrays are of float64 for floats, and of mpf otherwise.
     """
     first, wanted = list(start), list(times)
     rows: list[list[Any]] = [first] * len(wanted)
@@ -42,7 +42,10 @@ def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: A
             if rest:
                 rows[i], _, work = advance(y, sign * rest, None)
                 evaluations += work
-    return solution_of(rows, evaluations)
+    kind = np.float64 if all(isinstance(x, float) for row in rows for x in row) else object
+    table = np.array(rows, dtype=kind).reshape(len(rows), len(first))
+    half = len(first) // 2
+    return Solution(table[:, :half], table[:, half:], evaluations)
 
 
 def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, Any]]:
@@ -54,22 +57,15 @@ def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, 
         raise ArgumentError(f"step = {step}: give a positive step")
     found = []
     for i, time in enumerate(times):
-        if sign * time > 0:
-            if isinstance(step, float):
-                count, rest = divmod(abs(Fraction(time)), Fraction(step))
-                found.append((i, count, float(rest)))
-            else:
-                count = floor(abs(time) / step)
-                found.append((i, count, abs(time) - count * step))
+        if not sign * time > 0:
+            continue
+        if isinstance(step, float):
+            count, rest = divmod(abs(Fraction(time)), Fraction(step))
+            found.append((i, count, float(rest)))
+        else:
+            count = floor(abs(time) / step)
+            found.append((i, count, abs(time) - count * step))
     return sorted(found, key=lambda entry: entry[1:])
-
-
-def solution_of(rows: list[list[Any]], evaluations: int) -> Solution:
-    """Rows of γ and M, or q and p, as a Solution: float64 arrays for floats, object arrays for mpf."""
-    kind = np.float64 if all(isinstance(x, float) for row in rows for x in row) else object
-    table = np.array(rows, dtype=kind).reshape(len(rows), -1 if rows else 6)
-    half = table.shape[1] // 2
-    return Solution(table[:, :half], table[:, half:], evaluations)
 
 
 def by_sign(

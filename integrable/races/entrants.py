@@ -46,11 +46,12 @@ class Entrant(NamedTuple):
 def entrants(problem: Problem, own: dict[str, Solve], rivals: Sequence[str]) -> list[Entrant]:
     """The entrants on a problem. Methods that are not installed, or that refuse the problem's system, are left out."""
     system, _ = _given(problem)
-    known = [METHODS[name] for name in rivals if METHODS[name].takes(system)]
     found = [Entrant(name, TOLERANCES, _own(solve)) for name, solve in own.items()]
-    for method in known:
-        found.append(Entrant(method.name, method.settings, _method(method), method.parameter))
-    return [*found, Entrant(_itself(problem), (FLOAT_DIGITS,), _package, "digits")]
+    for method in map(METHODS.__getitem__, rivals):
+        if method.takes(system):
+            found.append(Entrant(method.name, method.settings, _method(method), method.parameter))
+    itself = "divisor flow" if problem.scene.rolls_or_spins else "additions"
+    return [*found, Entrant(itself, (FLOAT_DIGITS,), _package, "digits")]
 
 
 def loaded(word: str) -> tuple[str, Solve]:
@@ -113,10 +114,6 @@ def _own(solve: Solve) -> Callable[[Problem, np.ndarray, float], Timed]:
         return spent, found
 
     return run
-
-
-def _itself(problem: Problem) -> str:
-    return "divisor flow" if problem.scene.rolls_or_spins else "additions"
 
 
 def _package(problem: Problem, times: np.ndarray, _: float) -> Timed:

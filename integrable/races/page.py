@@ -76,17 +76,13 @@ def page(race: Results) -> str:
 
 def _section(course: Course) -> str:
     q, p = course.letters
-    return "\n".join(
-        [
-            f'<h2 id="{escape(course.name)}">{escape(course.title)}</h2>',
-            f"<p>{escape(course.description)}{' (' + escape(course.reference) + ')' if course.reference else ''} "
-            f"{len(course.times)} times, the last is {max(course.times):g}. Errors are those of {q} and {p}, "
-            "each beside its size.</p>",
-            diagram(course),
-            _legend(course),
-            _table(course),
-        ]
+    source = f" ({escape(course.reference)})" if course.reference else ""
+    head = (
+        f'<h2 id="{escape(course.name)}">{escape(course.title)}</h2>\n<p>{escape(course.description)}{source} '
+        f"{len(course.times)} times, the last is {max(course.times):g}. Errors are those of {q} and {p}, "
+        "each beside its size.</p>"
     )
+    return "\n".join([head, diagram(course), _legend(course), _table(course)])
 
 
 def diagram(course: Course) -> str:
@@ -202,12 +198,9 @@ def _table(course: Course) -> str:
     head = "".join(f"<th>{word}</th>" for word in ("method", "setting", "error", "run time", "once before", "runs"))
     rows = []
     for run in course.runs:
-        cells = [escape(run.method), escape(run.at)]
-        if run.note:
-            cells.append(f'</td><td colspan="4" class="note">{escape(run.note)}')
-            rows.append(f"<tr><td>{cells[0]}</td><td>{cells[1]}{cells[2]}</td></tr>")
-            continue
         first = duration(run.first) if run.first else "–"
-        cells += [figure(run.error), duration(run.seconds), first, str(run.runs)]
-        rows.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+        figures = [figure(run.error), duration(run.seconds), first, str(run.runs)]
+        note = f'<td colspan="4" class="note">{escape(run.note)}</td>'
+        cells = note if run.note else "".join(f"<td>{cell}</td>" for cell in figures)
+        rows.append(f"<tr><td>{escape(run.method)}</td><td>{escape(run.at)}</td>{cells}</tr>")
     return f'<div class="wide"><table><tr>{head}</tr>{"".join(rows)}</table></div>'

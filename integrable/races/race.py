@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -129,24 +130,12 @@ def _rung(
     one: Problem, times: np.ndarray, truth: Truth, left: list[Entrant], rung: int, limit: float
 ) -> list[tuple[Entrant, Run]]:
     """The runs of all methods at one rung. Each method first runs alone, then the fast methods run in turn."""
-    found: dict[str, Run] = {}
-    for entrant in left:
-        found[entrant.name] = _tried(one, times, truth, entrant, rung, limit)
-    runs = {entrant.name: entrant for entrant in left if (found[entrant.name].seconds or PATIENCE) < PATIENCE / 2}
-    every = {name: _once(one, times, entrant, rung) for name, entrant in runs.items()}
-    rows = []
-    timings = interleaved(every, REPEAT, PATIENCE * len(every), again=1) if every else {}
-    for entrant in left:
-        run = found[entrant.name]
-        if entrant.name in timings:
-            timing = timings[entrant.name]
-            run = run._replace(seconds=timing.total, runs=timing.runs)
-        rows.append((entrant, run))
-    return rows
-
-
-def _once(one: Problem, times: np.ndarray, entrant: Entrant, rung: int) -> Any:
-    return lambda: entrant.run(one, times, entrant.settings[rung])
+    found = {entrant.name: _tried(one, times, truth, entrant, rung, limit) for entrant in left}
+    fast = [entrant for entrant in left if (found[entrant.name].seconds or PATIENCE) < PATIENCE / 2]
+    every = {entrant.name: partial(entrant.run, one, times, entrant.settings[rung]) for entrant in fast}
+    for name, timing in interleaved(every, REPEAT, PATIENCE * len(every), again=1).items():
+        found[name] = found[name]._replace(seconds=timing.total, runs=timing.runs)
+    return [(entrant, found[entrant.name]) for entrant in left]
 
 
 def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung: int, limit: float) -> Run:

@@ -52,13 +52,7 @@ class Course:
         """The table of the course's runs as text."""
         head = ("method", "setting", "error", "run time", "once before")
         cells = [
-            (
-                run.method,
-                run.at,
-                figure(run.error),
-                duration(run.seconds),
-                duration(run.first) if run.first else "–",
-            )
+            (run.method, run.at, figure(run.error), duration(run.seconds), duration(run.first) if run.first else "–")
             for run in self.runs
         ]
         notes = [f"{run.method}, {run.at}: {run.note}" for run in self.runs if run.note]

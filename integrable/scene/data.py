@@ -235,7 +235,11 @@ class Scene:
         return result
 
     def _field(self, digits: int) -> Any:
-        return finite_field(self.finite_field) if self.finite_field else _field(digits)
+        from jacobian import MP, RR
+
+        if self.finite_field:
+            return finite_field(self.finite_field)
+        return RR if digits <= FLOAT_DIGITS else MP(digits)
 
     def _numbers(self, digits: int) -> Callable[[Fraction], Any]:
         digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (15: floats)", 1)
@@ -306,17 +310,13 @@ def _argument(value: Any, number: Callable[[Fraction], Any]) -> Any:
     return _as_numbers(value, number)
 
 
-def _field(digits: int) -> Any:
-    from jacobian import MP, RR
-
-    return RR if digits <= FLOAT_DIGITS else MP(digits)
-
-
 def _numbers(digits: int) -> Callable[[Fraction], Any]:
     """The function that converts fractions to the numbers of a run at ``digits`` digits."""
+    from jacobian import MP
+
     if digits <= FLOAT_DIGITS:
         return float
-    context = _field(digits).context
+    context = MP(digits).context
     return lambda value: context.mpf(value.numerator) / context.mpf(value.denominator)
 
 

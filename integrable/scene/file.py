@@ -81,11 +81,11 @@ def _read(name: str, place: str, text: str) -> Scene:
     tables = ("body", "start", "run", "steps", "report", "output")
     top = Table(f"{place}:", content, (*_WORDS, "system", "field", *tables))
     system = top.choice("system", SYSTEMS)
-    body = _section(top, place, "body", SYSTEMS[system].keys)
+    body = _section(top, "body", SYSTEMS[system].keys)
     if SYSTEMS[system].room == "classical":
         return _read_classical(name, place, top, system, body)
     plain = system in ("chaplygin_ball", "euler_top")
-    start = _section(top, place, "start", ("gamma", "M", "tilted") if plain else ("gamma", "M"))
+    start = _section(top, "start", ("gamma", "M", "tilted") if plain else ("gamma", "M"))
     return Scene(
         **_read_words(name, top, system),
         inertia=body.numbers("inertia", 3),
@@ -95,13 +95,12 @@ def _read(name: str, place: str, text: str) -> Scene:
         gamma=start.numbers("gamma", 3),
         M=start.numbers("M", 3),
         tilted=start.flag("tilted") if plain else False,
-        **(_read_orbit(top, place, plain) if "steps" in top else _read_motion(top, place, plain)),
+        **(_read_orbit(top, plain) if "steps" in top else _read_motion(top, plain)),
         place=place,
     )
 
 
 def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
-    """The name, system, title, reference and description of a scene."""
     words = {key: top.text(key, "").strip() for key in _WORDS}
     return {"name": name, "system": system, **words, "title": top.text("title", name)}
 
@@ -110,7 +109,7 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
     """The scene of a motion of a system of :mod:`integrable.classical`."""
     if "steps" in top:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
-    start = _section(top, place, "start", ("q", "p"))
+    start = _section(top, "start", ("q", "p"))
     return Scene(
         **_read_words(name, top, system),
         inertia=(),
@@ -120,29 +119,29 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
         constants=tuple((key, body.number_or_numbers(key)) for key in SYSTEMS[system].keys),
         gamma=start.numbers("q"),
         M=start.numbers("p"),
-        **_read_motion(top, place, False, _CLASSICAL_PICTURES),
+        **_read_motion(top, False, _CLASSICAL_PICTURES),
         place=place,
     )
 
 
-def _read_motion(top: Table, place: str, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
+def _read_motion(top: Table, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
     """The contents of ``[run]``, ``[report]`` and ``[output]`` of a motion.
 
     The second of the ``pictures`` shows the motion's curve.
     """
     if "field" in top:
         top.fail("field", "given, but a motion runs over real numbers; a finite field needs [steps] instead of [run]")
-    runs = _section(top, place, "run", ("times", "digits"))
+    runs = _section(top, "run", ("times", "digits"))
     report = None
     if "report" in top:
         keys = _COMPARISON if plain else tuple(key for key in _COMPARISON if key != "steps")
-        report = _read_comparison(_section(top, place, "report", keys))
-    drawn, curve = _read_output(_section(top, place, "output", ("pictures", pictures[1])), report, pictures)
+        report = _read_comparison(_section(top, "report", keys))
+    drawn, curve = _read_output(_section(top, "output", ("pictures", pictures[1])), report, pictures)
     times, digits = _read_times(runs, "times"), runs.integer("digits", 1, FLOAT_DIGITS)
     return {"times": times, "digits": digits, "report": report, "pictures": drawn, "sphere": curve}
 
 
-def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
+def _read_orbit(top: Table, plain: bool) -> dict[str, Any]:
     """The contents of ``[steps]`` and ``[output]`` of an orbit."""
     for key in ("run", "report"):
         if key in top:
@@ -151,7 +150,7 @@ def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
     exact = "field" in top
     if exact:
         top.within("field", lambda: finite_field(field))
-    table = _section(top, place, "steps", _STEPS[:3] if exact else _STEPS)
+    table = _section(top, "steps", _STEPS[:3] if exact else _STEPS)
     digits, truth_digits = ((), 0) if exact else _read_costs(table, least=1)
     count = table.integer("count", 1)
     if count > MOST_STEPS:
@@ -159,7 +158,7 @@ def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
     maps = tuple(
         _read_map(one, _MAPS if plain else _CURVE_MAPS) for one in table.tables("maps", ("kind", *_EVERY_ARGUMENT))
     )
-    output = _section(top, place, "output", ("pictures",))
+    output = _section(top, "output", ("pictures",))
     pictures = output.choices("pictures", _ORBIT_PICTURES, ())
     if exact and pictures:
         output.fail("pictures", f'"{pictures[0]}" given; points over a finite field have no place in a picture')
@@ -211,13 +210,13 @@ def _read_argument(table: Table, key: str) -> Any:
     return table.numbers(key, None if key == "points" else 2)
 
 
-def _section(top: Table, place: str, key: str, known: tuple[str, ...]) -> Table:
+def _section(top: Table, key: str, known: tuple[str, ...]) -> Table:
     """A top-level table. Messages show it as ``[key]``, as in the file."""
     needed = key in ("body", "start", "run", "steps")
     if needed and key not in top:
         wanted = f"a table with {', '.join(known)}" if known else "an empty table"
         top.fail(f"[{key}]", f"missing; {wanted} is needed")
-    return Table(f"{place}: [{key}]", top.content.get(key, {}), known)
+    return Table(f"{top.place} [{key}]", top.content.get(key, {}), known)
 
 
 def _read_size(body: Table, system: str) -> dict[str, Any]:
@@ -249,6 +248,8 @@ def _read_times(table: Table, key: str) -> Times:
         spaced.fail("from", f"{float(first)} given; a time {'≥ 0' if spacing == 'linear' else '> 0'} is needed")
     if until <= first:
         spaced.fail("until", f"{float(until)} given; a time after {float(first)} is needed")
+    if spacing == "log" and until / first > 10**300:  # the ratio must be a float
+        spaced.fail("until", f"{float(until)} given; at most 1e300 times {float(first)} is needed")
     count = spaced.integer("count", 2)
     if count > MOST_TIMES:
         memory = count * BYTES_OF_A_TIME / 1e9

@@ -9,10 +9,10 @@ import json
 import os
 import platform
 import tempfile
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from integrable.extras import version_of
 from integrable.files.whole import FULL, reason, replacing
 from integrable.scene.data import Scene
 from jacobian.errors import ArgumentError
@@ -132,34 +132,16 @@ def versions() -> dict[str, str | None]:
     """The versions of Python, of this package and of the libraries that may affect a result; None for a library that is
     not installed.
     """
-    versions: dict[str, str | None] = {"python": platform.python_version()}
-    for package in (
-        "jacobian-integrable",
-        "numpy",
-        "numba",
-        "scipy",
-        "mpmath",
-        "matplotlib",
-        "gmpy2",
-        "python-flint",
-        "heyoka",
-    ):
-        try:
-            versions[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            versions[package] = None
-    return versions
+    names = "jacobian-integrable", "numpy", "numba", "scipy", "mpmath", "matplotlib", "gmpy2", "python-flint", "heyoka"
+    return {"python": platform.python_version()} | {name: version_of(name) for name in names}
 
 
 def machine() -> dict[str, Any]:
     """Operating system, processor and number of cores."""
-    model = platform.processor()
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         lines = []
-    for line in lines:
-        if line.startswith("model name"):
-            model = line.partition(":")[2].strip()
-            break
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    model = models[0] if models else platform.processor()
     return {"system": platform.platform(), "processor": model, "cores": os.cpu_count()}

@@ -150,11 +150,9 @@ class Table:
         return [Table(f"{self.place} {key}[{i}]:", item, known) for i, item in enumerate(content)]
 
     def _list(self, key: str, value: Any) -> list[Any]:
-        return (
-            list(value)
-            if isinstance(value, list | tuple)
-            else self.fail(key, f"{_shown(value)} given; a list is needed")
-        )
+        if not isinstance(value, list | tuple):
+            self.fail(key, f"{_shown(value)} given; a list is needed")
+        return list(value)
 
     def _integer(self, key: str, value: Any, least: int | None) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or (least is not None and value < least):

@@ -21,23 +21,15 @@ SHORT = 110
 """The number of characters of an error message that a table shows; the row's file has all of it."""
 
 BEHIND = (
-    "scene",
-    "method",
-    "rows",
-    "most accurate of them",
-    "run time",
-    "error γ",
-    "flow's error in that time",
-    "floor",
-    "flow as accurate after",
-    "by how much",
-)
+    "scene", "method", "rows", "most accurate of them", "run time", "error γ", "flow's error in that time", "floor",
+    "flow as accurate after", "by how much",
+)  # fmt: skip
 
 
 def behind_cells(study: Study, behind: Behind, count: int) -> tuple[str, ...]:
     row, found = behind.row["result"], study.of(behind.scene)
     floor, name = found.floor, behind.scene if found.moved_by_divisors else f"{behind.scene}, integrated: no divisors"
-    least = f"{figure(behind.flow_error)}" if behind.flow_error is not None else _none_yet(behind)
+    least = figure(behind.flow_error) if behind.flow_error is not None else _none_yet(behind)
     named = (name, behind.row["row"]["method"], str(count), behind.row["row"]["setting"])
     return (
         *named,
@@ -76,13 +68,10 @@ def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tupl
     return (found.scene.name, *cells, *once_cells(found.standings))
 
 
-def once_cells(standings: Sequence[Standing]) -> tuple[str, str, str, str]:
-    """The ranges of one-time costs, per system and per machine, of the flow and of its fastest competitors."""
+def once_cells(standings: Sequence[Standing]) -> tuple[str, ...]:
+    """Four cells: the ranges of the costs once a system, then once a machine, of the flow and of its competitors."""
     sides = ([s.flow for s in standings], [s.peer for s in standings if s.peer is not None])
-    first, second, third, fourth = (
-        _span([row[part] for row in side]) for part in ("system", "machine") for side in sides
-    )
-    return first, second, third, fourth
+    return tuple(_span([row[part] for row in side]) for part in ("system", "machine") for side in sides)
 
 
 def _span(seconds: Sequence[float]) -> str:
@@ -125,18 +114,9 @@ def _way(found: SceneFindings) -> str:
 
 
 SCENES = (
-    "scene",
-    "flow",
-    "error γ",
-    "floor γ",
-    "error M",
-    "floor M",
-    "over floor",
-    "run time",
-    "truth",
-    "checked to t",
+    "scene", "flow", "error γ", "floor γ", "error M", "floor M", "over floor", "run time", "truth", "checked to t",
     "differs",
-)
+)  # fmt: skip
 
 
 def scene_cells(found: SceneFindings) -> tuple[str, ...]:

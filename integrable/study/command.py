@@ -141,7 +141,6 @@ def _named(machine: dict[str, Any]) -> str:
 
 
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
-    """Writes the figures, the page as ``report.md``, the summary as ``report.txt``, and all rows as ``report.json``."""
     if formats:
         from integrable.study.figures import as_bytes, drawings
 

@@ -82,14 +82,16 @@ def error_against_run_time(found: SceneFindings) -> Any:
 
 
 def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: SceneFindings) -> list[Line2D]:
-    """The entries of the legend: the runs of the flow by their arithmetic, the other methods, and the methods that gave
-    no result.
+    """The entries of the legend: the runs of the flow by their arithmetic, the other methods, and the methods without a
+    result. † marks a method without a result at some setting.
     """
     lost = {c["row"]["method"] for c in found.failures if c["row"]["kind"] == "comparator"}
     handles = []
     for method in methods:
         settings = [c["row"]["setting"] for c in rows if c["row"]["method"] == method] if method in OWN else [""]
-        handles += [_handle(method, method in lost, setting) for setting in settings]
+        for setting in settings:
+            name = ", ".join(filter(None, (method, setting))) + (" †" if method in lost else "")
+            handles.append(Line2D([], [], label=name, **_look(method, setting, 6.0)))
     if lost & set(methods):
         handles.append(Line2D([], [], linestyle="none", label="† at some settings too slow,\nor it gave up"))
     if silent := sorted(lost - set(methods)):
@@ -99,13 +101,12 @@ def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: Scen
 
 
 def _mark_floor(axes: Any, floor: float) -> Line2D:
-    """Draws a line at the floor, and returns its handle for the legend."""
     axes.axhline(floor, **FLOOR)
     return Line2D([], [], **FLOOR, label=f"what rounding the\ninputs does, {floor:.0e}")
 
 
 def _at_least_two_decades(axes: Any) -> None:
-    """Widen the axis of run times to 100 : 1, so that it has two labels."""
+    """Widens the axis of run times, if need be, to two decades, so that it has two labels."""
     low, high = axes.get_xlim()
     short = max(1.0, 10 / (high / low) ** 0.5)
     axes.set_xlim(low / short, high * short)
@@ -119,12 +120,6 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
         points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in part]
         look = _look(method, setting, 7.0 if method in OWN else 5.5)
         axes.plot(*zip(*points, strict=True), **look, zorder=4 if method in OWN else 3)
-
-
-def _handle(method: str, stopped: bool, setting: str = "") -> Line2D:
-    """The legend's entry of a method; † marks a method with a setting that gave no result."""
-    name = ", ".join(filter(None, (method, setting))) + (" †" if stopped else "")
-    return Line2D([], [], label=name, **_look(method, setting, 6.0))
 
 
 def _look(method: str, setting: str, size: float) -> dict[str, Any]:
@@ -144,9 +139,7 @@ def _span(found: SceneFindings) -> str:
 
 def floors(findings: Sequence[SceneFindings]) -> Any:
     """A figure of the flow's error in floats divided by the floor, for γ and M, or q and p; None if empty."""
-    shown = [
-        (f, f.best, f.floor) for f in findings if f.best is not None and f.floor is not None and f.moved_by_divisors
-    ]
+    shown = [(f, f.best, f.floor) for f in findings if f.best and f.floor and f.moved_by_divisors]
     if not shown:
         return None
     with rc_context(STYLE):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from math import inf, log
+from statistics import linear_regression
 from typing import Any
 
 from integrable.oracles.methods import METHODS, time_scale
@@ -31,8 +32,8 @@ WRONG_FLOORS times the floor.
 OFF_LEVEL = 0.1
 """An error is said to be off the level set if an integral drifts by more than this fraction of the error."""
 LOST = 10.0
-"""The allowed difference of truth and independent integrator, in units of the last digit, after amplification by the
-motion.
+"""The allowed difference between the truth and an independent integrator of n digits, in units of 10⁻ⁿ times the
+conditioning of the motion.
 """
 PLATEAU = 30.0
 """Errors within this factor of a method's least error are taken as rounding, and do not enter its slope."""
@@ -344,5 +345,4 @@ def fitted_slope(steps: Sequence[float], errors: Sequence[float]) -> float | Non
     points = [(log(h), log(e)) for h, e in zip(steps, errors, strict=True) if bound < e < COARSE]
     if len(points) < 3:
         return None
-    x0, y0 = (sum(values) / len(points) for values in zip(*points, strict=True))
-    return sum((x - x0) * (y - y0) for x, y in points) / sum((x - x0) ** 2 for x, _ in points)
+    return linear_regression(*zip(*points, strict=True)).slope

@@ -20,20 +20,17 @@ from time import perf_counter
 from integrable.scene.file import load_scene
 scene = load_scene(sys.argv[1])
 system, state = scene.start(15)
+from integrable.oracles.methods import METHODS, time_scale
+times = [time_scale(system, state)]
 """
 _COMPILED = """
 def once():
     return system.motion_through(state).at(times).gamma
 """
 _METHOD = """
-from integrable.oracles.methods import METHODS
 method = METHODS[%r]
 def once():
     return method.solve(system, state, times, method.ladder(system, state)[-2])
-"""
-_ONE_TIME = """
-from integrable.oracles.methods import time_scale
-times = [time_scale(system, state)]
 """
 _TWICE = """
 first = perf_counter(); once(); second = perf_counter(); once(); last = perf_counter()
@@ -42,9 +39,7 @@ print(json.dumps({"first": second - first, "second": last - second}))
 
 
 def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str, Any]]:
-    """Runs ``code`` in a new Python process; returns the seconds that it took, its start included, and the data that it
-    printed.
-    """
+    """The seconds that ``code`` takes in a new Python process, the start of Python included, and the data it prints."""
     begun = perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", code, source],
@@ -64,7 +59,7 @@ def first_answer(source: str, method: str) -> dict[str, Any]:
     "cold" is measured in a process for which nothing has been compiled, "disk" in one that finds compiled code on disk,
     and "process" at a second call in the same process.
     """
-    code = _START + _ONE_TIME + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
+    code = _START + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
     with tempfile.TemporaryDirectory() as cache:
         # heyoka also caches compiled code on disk
         kept = {"NUMBA_CACHE_DIR": cache, "HEYOKA_CACHE_DIR": cache}

@@ -56,11 +56,10 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
         chosen, motion = _chosen(scene, digits, task.limits.floor_times)
         try:
             found = conditioning(*scene.start(digits), chosen, motion)
+            break
         except (JacobianError, ArithmeticError):
             if digits > FLOAT_DIGITS:
                 raise
-            continue
-        break
     floors = found.floor()
     return {
         "floor_gamma": floors[0],
@@ -108,10 +107,11 @@ def flow_run(task: Task, tick: Tick) -> tuple[Data, Any]:
 
 
 def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
-    """The result of successive additions of the pair {±iη}. Each addition is the H1 flow to second order in η.
+    """The result of a flow approximated by a number of Bäcklund maps.
 
-    The additions go from each τ of the scene's times to the next. These τ come from the truth, since the map has no
-    physical time; so an error of the clock does not enter. Other systems move by steps of their own discretization.
+    For a ball or top each map is the addition of the two points with x = ±iη, which advances τ by a multiple of η up to
+    terms of third order. The maps lead from each τ of the scene's times to the next. These τ come from the truth, as
+    the map has no physical time. Other systems move by steps of their own discretization, in physical time.
     """
     truth = _truth_of(task, kept)
     if truth.tau is None and not task.scene.classical:
@@ -146,7 +146,7 @@ def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
 
 
 def _imaginary_pair(system: Any, state: Any) -> Callable[[float], Any]:
-    """A function from h to the addition of {±iη} that advances τ by h."""
+    """A function from h to the addition of the points with x = ±iη, where η = h·√(a₁a₂a₃H1) advances τ by h."""
     a1, a2, a3 = system.a
     scale = (a1 * a2 * a3 * system.integrals(state).H1) ** 0.5
     return lambda h: system.translation(points=[complex(0, scale * h), complex(0, -scale * h)])
@@ -204,7 +204,6 @@ def _truth_of(task: Task, kept: Data | None) -> Truth:
 
 
 def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any]:
-    """The times of repeated runs of ``once``, and what it returned."""
     timing = _in_turn({"": once}, task, tick)[""]
     return timing.as_dict(), timing.found
 

@@ -19,7 +19,7 @@ set-up includes a new body each time. The floor is eps·conditioning, the effect
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -57,62 +57,18 @@ def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tup
     """
     run = _Run(scene, digits, tick)
     trajectory = run.flow(run.own)
-    lines = _Lines(run, watch)
     watch.own(trajectory)
-    for task in run.flows:
-        lines.add(run.flow_rows(task))
-    for task in run.rivals:
-        lines.add([run.rival(task)])
-    return lines.finished(), trajectory
-
-
-class _Lines:
-    """The lines of a report, which are passed to ``watch`` as soon as the rows are found."""
-
-    def __init__(self, run: _Run, watch: Watch) -> None:
-        self.run, self.watch, self.rows = run, watch, list[Row]()
-
-    def add(self, rows: list[Row]) -> None:
-        """Adds rows, and passes their lines to ``watch``."""
-        if not self.rows:
-            self.rows += rows
-            for line in opening(self._report()):
-                self.watch.line(line)
-        else:
-            self.rows += rows
-        for row in rows:
-            self.watch.line(row_line(self._report(), row))
-
-    def finished(self) -> Report:
-        """The finished report, with the check of the truth, the growth of the residual and the floor."""
-        found = self.run.rest()
-        check = self.run.truth(self.run.own.scene)["check"]
-        report = replace(
-            self._report(),
-            truth=TruthCheck(**{name: value for name, value in check.items() if name != "by"}),
-            residual_growth=found.get("growth", ()),
-            floor=(found["floor_gamma"], found["floor_M"]) if "floor_gamma" in found else None,
-            planned=(),
-        )
-        for line in closing(report):
-            self.watch.line(line)
-        return report
-
-    def _report(self) -> Report:
-        run = self.run
-        times = run.scene.times.floats()
-        return Report(
-            title=run.scene.title,
-            times=(min(times), max(times), len(times)),
-            repeat=run.limits.repeat,
-            rows=tuple(self.rows),
-            truth=TruthCheck(0, 0.0, 0.0, 0.0, 0.0),
-            residual_growth=(),
-            integrals=tuple(self.rows[0].drift or ()),
-            against=run.moved,
-            letters=run.scene.letters,
-            planned=tuple((task.method, task.setting) for task in (*run.flows, *run.rivals)),
-        )
+    rows: list[Row] = []
+    for task in (*run.flows, *run.rivals):
+        found = run.rows(task)
+        head = [] if rows else opening(run.report(found))
+        rows += found
+        for line in (*head, *(row_line(run.report(rows), row) for row in found)):
+            watch.line(line)
+    report = run.finished(rows)
+    for line in closing(report):
+        watch.line(line)
+    return report, trajectory
 
 
 class _Run:
@@ -149,25 +105,15 @@ class _Run:
 
     @property
     def own(self) -> Task:
-        """The task of the run's own result."""
         return self.flows[0]
-
-    @property
-    def finer(self) -> Task | None:
-        """The task of a row with enough digits to be the reference for the result, or None."""
-        own = self.own.value or 0
-        more = [task for task in self.flows if (task.value or 0) >= own + MORE and task.scene is self.own.scene]
-        return min(more, key=lambda task: task.value or 0, default=None)
 
     @cached_property
     def rivals(self) -> list[Task]:
         """The tasks of SciPy's integrator."""
         tasks = []
         for tolerance in map(float, self.asked.tolerances):
-            name = f"{tolerance:.0e}"
-            setting = f"tol {name}".replace("e-0", "e-")
-            task = self._task("tolerance", DOP853, setting, tolerance, f"DOP853 at {name}", self.asked.repeat)
-            tasks.append(task)
+            setting, label = f"tol {tolerance:.0e}".replace("e-0", "e-"), f"DOP853 at {tolerance:.0e}"
+            tasks.append(self._task("tolerance", DOP853, setting, tolerance, label, self.asked.repeat))
         return tasks
 
     @cached_property
@@ -195,7 +141,6 @@ class _Run:
 
     @property
     def tasks(self) -> list[Task]:
-        """All tasks of the run."""
         return [*self.flows, *self.truths.values(), *self.rivals, *self.others]
 
     # --- execution of the tasks
@@ -217,8 +162,10 @@ class _Run:
                 self._found[task.key] = flow_run(task, step)
         return self._found[task.key][1]
 
-    def flow_rows(self, task: Task) -> list[Row]:
+    def rows(self, task: Task) -> list[Row]:
         """The row of a task; a ball or top in floats has a second row, with the time of the first use."""
+        if task.method == DOP853:
+            return [self._rival(task)]
         found = self.flow(task)
         result = dict(self._found[task.key][0])
         first, _ = result.pop("first"), result.pop("way")
@@ -230,13 +177,17 @@ class _Run:
         return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
 
     def _judge(self, task: Task) -> Truth:
-        """The reference for a row's errors: the truth, or for the run's own result a row with more digits."""
-        if task is self.own and (finer := self.finer) is not None:
-            system, _ = finer.scene.start(int(finer.value or 0))
-            return Truth(finer.scene, kept(system, [self.flow(finer)], int(finer.value or 0)))
-        return Truth(task.scene, self.truth(task.scene))
+        """The reference for a row's errors: the truth, or for the run's own result the row with the fewest digits that
+        has at least MORE digits more.
+        """
+        finer = [one for one in self.flows if (one.value or 0) >= self.digits + MORE and one.scene is task.scene]
+        if task is not self.own or not finer:
+            return Truth(task.scene, self.truth(task.scene))
+        digits = int(finer[0].value or 0)
+        system, _ = task.scene.start(digits)
+        return Truth(task.scene, kept(system, [self.flow(finer[0])], digits))
 
-    def rival(self, task: Task) -> Row:
+    def _rival(self, task: Task) -> Row:
         """The row of SciPy's integrator. If the integrator failed, the row has the reason and no figures."""
         row = Row(task.method, task.setting, tolerance=task.value)
         if not installed("scipy"):
@@ -249,14 +200,36 @@ class _Run:
         except (RuntimeError, ArithmeticError) as error:
             return replace(row, note=str(error))
 
-    def rest(self) -> dict[str, Any]:
-        """The remaining parts of the report: the growth of the residual, and the floor."""
-        self.truth(self.own.scene)
+    def report(self, rows: Sequence[Row]) -> Report:
+        """The report with the rows found so far, before the truth is checked."""
+        times = self.scene.times.floats()
+        return Report(
+            title=self.scene.title,
+            times=(min(times), max(times), len(times)),
+            repeat=self.limits.repeat,
+            rows=tuple(rows),
+            truth=TruthCheck(0, 0.0, 0.0, 0.0, 0.0),
+            residual_growth=(),
+            integrals=tuple(rows[0].drift or ()),
+            against=self.moved,
+            letters=self.scene.letters,
+            planned=tuple((task.method, task.setting) for task in (*self.flows, *self.rivals)),
+        )
+
+    def finished(self, rows: Sequence[Row]) -> Report:
+        """The finished report, with the check of the truth, the growth of the residual and the floor."""
+        check = self.truth(self.own.scene)["check"]
         found: dict[str, Any] = {}
         for task in self.others:
             with _pieces(task, self.tick) as step:
                 found |= measured(task, None, step)
-        return found
+        return replace(
+            self.report(rows),
+            truth=TruthCheck(**{name: value for name, value in check.items() if name != "by"}),
+            residual_growth=found.get("growth", ()),
+            floor=(found["floor_gamma"], found["floor_M"]) if "floor_gamma" in found else None,
+            planned=(),
+        )
 
 
 @contextmanager

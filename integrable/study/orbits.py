@@ -64,7 +64,34 @@ class OrbitReport:
 
     def table(self) -> str:
         """The report as plain text, at most 100 columns wide."""
-        return _table(self)
+        names = list(self.rows[0].drift)
+        head = ("setting", "error γ", "error M", *(f"Δ{name}" for name in names), "per step")
+        cells = [
+            (
+                row.setting,
+                figure(row.error_gamma),
+                figure(row.error_M),
+                *(figure(row.drift[name], 1) for name in names),
+                duration(row.seconds_per_step),
+            )
+            for row in self.rows
+        ]
+        lines = [self.title, f"{self.count} steps of {self.map}", f"costs are medians of {self.repeat} runs", ""]
+        lines += [*aligned([head, *cells]), ""]
+        if self.truth_digits is None:
+            lines.append("Every step is exact; Δ: states of the orbit at which the integral is another.")
+        else:
+            lines += [
+                "error γ: largest over components and steps, against the same orbit at "
+                f"{self.truth_digits} digits; error M: the",
+                "same, relative to |M|; Δ: largest drift from the exact start, of the last two relative.",
+            ]
+        if self.truth_digits is None and self.jump:
+            lines.append("THE END OF THE ORBIT IS NOT that of one addition of the multiple.")
+        elif self.jump is not None:
+            how = "exactly" if self.jump == 0 else f"to {self.jump:.0e}"
+            lines.append(f"The end of the orbit is that of one addition of {self.count}·D', {how}.")
+        return "\n".join(lines)
 
     def as_dict(self) -> dict[str, Any]:
         """The report as plain data for JSON."""
@@ -172,43 +199,3 @@ def _words(scene: Scene) -> str:
 
 def _shown(value: Any) -> str:
     return f"({', '.join(map(_shown, value))})" if isinstance(value, tuple) else "∞" if value is None else str(value)
-
-
-def _table(report: OrbitReport) -> str:
-    names = list(report.rows[0].drift)
-    head = ("setting", "error γ", "error M", *(f"Δ{name}" for name in names), "per step")
-    cells = [
-        (
-            row.setting,
-            figure(row.error_gamma),
-            figure(row.error_M),
-            *(figure(row.drift[name], 1) for name in names),
-            duration(row.seconds_per_step),
-        )
-        for row in report.rows
-    ]
-    lines = [
-        report.title,
-        f"{report.count} steps of {report.map}",
-        f"costs are medians of {report.repeat} runs",
-        "",
-        *aligned([head, *cells]),
-        "",
-    ]
-    if report.truth_digits is None:
-        lines.append("Every step is exact; Δ: states of the orbit at which the integral is another.")
-    else:
-        lines += [
-            "error γ: largest over components and steps, against the same orbit at "
-            f"{report.truth_digits} digits; error M: the",
-            "same, relative to |M|; Δ: largest drift from the exact start, of the last two relative.",
-        ]
-    if report.jump is not None:
-        how = "exactly" if report.jump == 0 else f"to {report.jump:.0e}"
-        wrong = report.truth_digits is None and report.jump != 0
-        lines.append(
-            "THE END OF THE ORBIT IS NOT that of one addition of the multiple."
-            if wrong
-            else f"The end of the orbit is that of one addition of {report.count}·D', {how}."
-        )
-    return "\n".join(lines)

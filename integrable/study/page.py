@@ -79,17 +79,9 @@ def in_one_minute(study: Study) -> str:
 
 def _summary(study: Study) -> list[tuple[str, ...]]:
     """The head of the table, then a row for each time T with the numbers of scenes by outcome, and the ratios."""
+    outcomes = ("flow faster", "another faster", "no other as accurate", "others could not run", "flow refused")
     rows: list[tuple[str, ...]] = [
-        (
-            "at",
-            "scenes",
-            "flow faster",
-            "another faster",
-            "no other as accurate",
-            "others could not run",
-            "flow refused",
-            "time of fastest other ÷ flow: least … median … most",
-        )
+        ("at", "scenes", *outcomes, "time of fastest other ÷ flow: least … median … most"),
     ]
     for T in study.horizons:
         found = [standing for f in study.motions for standing in f.standings if standing.T == T]
@@ -185,7 +177,6 @@ def _machine(study: Study) -> str:
 
 
 def _load(study: Study) -> str:
-    """A sentence about the machine's load during the study."""
     if study.load is None:
         return ""
     busy = ": a busy machine, whose run times are long and scatter" if study.load > BUSY else ""

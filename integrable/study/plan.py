@@ -24,19 +24,9 @@ from integrable.study.store import code_stamp, commit
 from integrable.study.truth import DIGITS, INTEGRATED, moved_by
 
 __all__ = [
-    "BACKLUND",
-    "FLOW",
-    "HORIZONS",
-    "INTEGRATED",
-    "LIMITS",
-    "NOT_MEASURED",
-    "STRONG",
-    "Limits",
-    "Task",
-    "first_answer_tasks",
-    "in_order",
-    "tasks_of",
-]
+    "BACKLUND", "FLOW", "HORIZONS", "INTEGRATED", "LIMITS", "NOT_MEASURED", "STRONG", "Limits", "Task",
+    "first_answer_tasks", "in_order", "tasks_of",
+]  # fmt: skip
 
 FLOW = "divisor flow"
 STRONG = ("heyoka", "Taylor, compiled", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive", "SciPy DOP853, compiled")
@@ -211,9 +201,8 @@ def _comparators(scene: Scene, task: Any, mode: str, truth: str) -> list[Task]:
         if method.parameter == "digits":
             chosen = [pair for pair in chosen if pair[0] < DIGITS[0]]
         for setting, value in chosen[1::3] if mode == "quick" else chosen:
-            name = (
-                f"{method.parameter} {value:.3g}" if method.parameter == "step" else f"{method.parameter} {setting:g}"
-            )
+            said = f"{value:.3g}" if method.parameter == "step" else f"{setting:g}"
+            name = f"{method.parameter} {said}"
             tasks.append(task("comparator", method.name, name, value, truth, cheaper=cheaper))
             cheaper = tasks[-1].key
     return tasks

@@ -132,7 +132,6 @@ def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
 
 
 def _more_room_left(rows: list[Row], floor: float) -> bool:
-    """Whether marks near the floor have more room on their left than on their right."""
     times = [row.total for row in rows if row.total]
     near = [row.total for row in rows if row.total and abs(np.log10((row.error_gamma or 1) / floor)) < NEAR_THE_FLOOR]
     return bool(near) and min(near) * max(near) > min(times) * max(times)

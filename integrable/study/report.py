@@ -113,18 +113,6 @@ def _at_most(difference: float, digits: int) -> str:
     return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
 
 
-def _head(letters: tuple[str, str], integrals: Sequence[str]) -> tuple[str, ...]:
-    errors = (f"error {letter}" for letter in letters)
-    return ("method", "setting", *errors, *(f"Δ{x}" for x in integrals), "set-up", "evaluate", "total")
-
-
-def _cells(row: Row, integrals: Sequence[str]) -> tuple[str, ...]:
-    drift = row.drift or {}
-    drifts = (figure(drift.get(name), 1) for name in integrals)
-    times = map(duration, (row.setup, row.evaluation, row.total))
-    return (row.method, row.setting, figure(row.error_gamma), figure(row.error_M), *drifts, *times)
-
-
 _ORACLES = {
     "divisor flow": "a Taylor-series integrator",
     "additions": "Gauss's collocation",
@@ -168,18 +156,23 @@ def _words(report: Report) -> list[str]:
 def opening(report: Report) -> list[str]:
     """The lines before the rows: the title, the times and the head of the table."""
     first, last, count = report.times
+    columns = (*(f"error {letter}" for letter in report.letters), *(f"Δ{name}" for name in report.integrals))
     return [
         report.title,
         f"{count} times from {first:g} to {last:g} in the scene's unit of time; run times are medians of up to "
         f"{report.repeat} runs",
         "",
-        _line(_head(report.letters, report.integrals), report.names),
+        _line(("method", "setting", *columns, "set-up", "evaluate", "total"), report.names),
     ]
 
 
 def row_line(report: Report, row: Row) -> str:
     """A row of the table."""
-    return _line(_cells(row, report.integrals), report.names)
+    drift = row.drift or {}
+    drifts = (figure(drift.get(name), 1) for name in report.integrals)
+    times = map(duration, (row.setup, row.evaluation, row.total))
+    cells = (row.method, row.setting, figure(row.error_gamma), figure(row.error_M), *drifts, *times)
+    return _line(cells, report.names)
 
 
 def _line(cells: Sequence[str], names: tuple[int, int]) -> str:

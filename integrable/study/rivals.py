@@ -7,6 +7,7 @@ their ratio is measured in one process on one machine. Run times include set-up 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from math import inf
@@ -32,7 +33,9 @@ ENOUGH = 0.1
 FIRST = 15.0
 """Seconds that the first trial of a method may take, imports included."""
 NEAR = 30.0
-"""A setting whose error exceeds this multiple of the allowed one did not fail by accumulated rounding alone."""
+"""Where the error of a setting exceeds this multiple of the allowed error, more than accumulated rounding is its cause,
+and cheaper settings are not tried.
+"""
 MARGIN, CLOCK = 2.0, 0.01
 """A run that takes more than MARGIN times as long as the fastest so far, and more than CLOCK seconds, is not timed
 again. The time of a single shorter run is too uncertain.
@@ -170,8 +173,9 @@ def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple
     method = METHODS[task.method]
     settings = method.ladder(*task.scene.start(FLOAT_DIGITS))
     allowed = min(task.limits.run, max(MARGIN * fastest, CLOCK))
-    if _cheapest(replace(task, value=settings[0])) > allowed:
-        return None, {"slower": allowed}
+    with suppress(JacobianError, ArithmeticError, RuntimeError):  # where a trial fails, the whole run may succeed
+        if pilot(replace(task, value=settings[0])) > allowed:
+            return None, {"slower": allowed}
     row, found, before = replace(task, limits=replace(task.limits, run=allowed)), None, inf
     told: Data = {}
     for setting in reversed(settings):
@@ -195,21 +199,11 @@ def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple
     return found, told
 
 
-def _cheapest(task: Task) -> float:
-    """Seconds of a whole run, estimated by :func:`pilot`; 0 if a trial fails, as the whole run may succeed."""
-    try:
-        return pilot(task)
-    except (JacobianError, ArithmeticError, RuntimeError):
-        return 0.0
-
-
 def affordable(told: float, task: Task) -> None:
     """Raises TooLong if a whole run would take more seconds than the study allows."""
-    allowed = task.limits.run
-    if told > allowed:
-        raise TooLong(
-            f"not run: a whole run would take about {told:.2g} s, more than the {allowed:.2g} s of this study"
-        )
+    if told > task.limits.run:
+        more = f"more than the {task.limits.run:.2g} s of this study"
+        raise TooLong(f"not run: a whole run would take about {told:.2g} s, {more}")
 
 
 def pilot(task: Task) -> float:
@@ -220,7 +214,8 @@ def pilot(task: Task) -> float:
     """
     system, state = task.scene.start(FLOAT_DIGITS)
     last, method = max(task.scene.times.floats()), METHODS[task.method]
-    with at_most(inf if method.compiled else max(FIRST, task.limits.run)):
+    first = inf if method.compiled else max(FIRST, task.limits.run)
+    with at_most(first):
         run = method.prepare(system, state, task.value)
 
     def seconds_to(time: float) -> float:
@@ -230,7 +225,7 @@ def pilot(task: Task) -> float:
         return perf_counter() - begun
 
     time = min(PILOT * time_scale(system, state), last)
-    with at_most(inf if method.compiled else max(FIRST, task.limits.run)):
+    with at_most(first):
         run([time])
     before = seconds = seconds_to(time)
     while time < last and seconds < ENOUGH + before:

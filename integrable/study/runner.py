@@ -67,7 +67,7 @@ def run_tasks(
     finally:
         for worker in workers:
             worker.stop()
-            worker.let_go(store)
+            worker.let_go()
     for task in pending.values():
         finished[task.key] = _kept(task, store) or _failure(task, "the time was up") | {
             "status": NOT_MEASURED,
@@ -111,7 +111,6 @@ def _hand_out(
 
 
 def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any]) -> list[Task]:
-    """Store the workers' results, and return their tasks."""
     done = []
     for worker in workers:
         content, task = worker.finished(), worker.task
@@ -119,7 +118,7 @@ def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any])
             content.setdefault("seconds", worker.elapsed)
             content["commit"] = commit()  # the commit at this process's start: a worker may begin hours later
             finished[task.key] = store.write(task.key, task.stamp, content)
-            worker.let_go(store)
+            worker.let_go()
             done.append(task)
     return done
 
@@ -140,7 +139,6 @@ class _Worker:
 
     @property
     def elapsed(self) -> float:
-        """Seconds since the task was begun."""
         return time.monotonic() - self._begun
 
     def take(self, task: Task, store: Store, finished: dict[str, Any]) -> bool:
@@ -150,7 +148,7 @@ class _Worker:
         held = [lock for lock in locks if lock is not None]
         if len(held) < len(locks) or _kept(task, store) is not None:
             for lock in held:
-                store.release(lock)
+                lock.release()
             return False
         self.task, self._locks, self._begun = task, held, time.monotonic()
         if self._process is None:
@@ -187,14 +185,12 @@ class _Worker:
             return _failure(self.task, f"stopped after {self.task.limit:g} s", stopped=True)
         return None
 
-    def let_go(self, store: Store) -> None:
-        """Releases the locks on the task."""
+    def let_go(self) -> None:
         for lock in self._locks:
-            store.release(lock)
+            lock.release()
         self.task, self._locks = None, []
 
     def stop(self) -> None:
-        """End the process."""
         if self._process is not None:
             _end(self._process)
             assert self.connection is not None, "a started worker has a connection"

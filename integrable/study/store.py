@@ -21,26 +21,11 @@ __all__ = ["SCHEMA", "Store", "code_stamp", "commit"]
 SCHEMA = 2
 """Version of the layout of a row's file; increased when a reader of the old layout would misread the new one."""
 _SHOWN_ONLY = (
-    "__main__.py",
-    "doctor.py",
-    "interrupts.py",
-    "owner.py",
-    "scene/tables.py",
-    "study/claims.py",
-    "study/columns.py",
-    "study/figures.py",
-    "study/findings.py",
-    "study/page.py",
-    "study/plot.py",
-    "view/__init__.py",
-    "view/ovals.py",
-    "view/page.py",
-    "view/shown.py",
-)
+    "__main__.py", "doctor.py", "interrupts.py", "owner.py", "scene/tables.py", "study/claims.py", "study/columns.py",
+    "study/figures.py", "study/findings.py", "study/page.py", "study/plot.py", "view/__init__.py", "view/ovals.py",
+    "view/page.py", "view/shown.py",
+)  # fmt: skip
 """Files of a package that a row does not depend on, by their path in the package; a test checks that they exist."""
-
-_claims: set[FileLock] = set()
-"""The locks held by this process: a lock without a reference would be released."""
 
 
 class Store:
@@ -74,20 +59,15 @@ class Store:
         return kept
 
     def claim(self, key: str) -> FileLock | None:
-        """The lock of a row, for :meth:`release`, or None if another process holds it."""
+        """The lock of a row, or None if another process holds it. It is held until it is released, or is no longer
+        referenced.
+        """
         lock = FileLock(self._locks / f"{key}.lock", mode=0o666)
         try:
             lock.acquire(blocking=False)
         except Timeout:
             return None
-        _claims.add(lock)
         return lock
-
-    def release(self, lock: FileLock | None) -> None:
-        """Releases a lock that :meth:`claim` returned."""
-        if lock is not None:
-            _claims.discard(lock)
-            lock.release()
 
 
 @lru_cache(maxsize=1)

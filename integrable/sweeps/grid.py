@@ -40,7 +40,7 @@ class Grid:
             raise ArgumentError(f'vary = {shown(vary)}: give names with values, such as {{"d": "0.1:2:50"}}')
         self.scene, self._base = scene, _base(scene)
         known = [name for name, place in NAMES.items() if not np.isnan(self._base[place])]
-        known += [name for name, place in SCALES.items()]
+        known += SCALES
         for name in vary:
             if name not in known:
                 raise ArgumentError(f"vary: {shown(name)} given; {suggestion(str(name), known)}")

@@ -30,7 +30,19 @@ class Scenes(Starts[Motion, Any]):
         self.scene, self.rows = scene, rows
 
     def _one(self, member: int) -> Motion:
-        return _motion(self.scene, self.rows[member])
+        exact: list[Any] = [None if np.isnan(x) else Fraction(float(x)) for x in self.rows[member]]
+        own: Any = dataclasses.replace(
+            self.scene,
+            inertia=tuple(exact[INERTIA]),
+            d=exact[D] if self.scene.d is not None or exact[D] else None,
+            gamma=tuple(exact[4:7]),
+            M=tuple(exact[M]),
+            c=exact[C],
+            potential=tuple(exact[POTENTIAL]) if self.scene.potential is not None else None,
+        )
+        system, state = own.start(FLOAT_DIGITS)
+        motion: Motion = system.motion_through(state)
+        return motion
 
     def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
         return computed_singly(self._one, times, out)
@@ -43,20 +55,3 @@ def done(many: Starts[Any, Any], times: np.ndarray) -> tuple[np.ndarray, Outcome
     """
     out = np.empty((len(many), len(times), many._columns))
     return out, many._computed(times[None], out, most=1)
-
-
-def _motion(scene: Scene, row: np.ndarray) -> Motion:
-    """The motion of one member; raises an error if the member is refused."""
-    exact: list[Any] = [None if np.isnan(x) else Fraction(float(x)) for x in row]
-    own: Any = dataclasses.replace(
-        scene,
-        inertia=tuple(exact[INERTIA]),
-        d=exact[D] if scene.d is not None or exact[D] else None,
-        gamma=tuple(exact[4:7]),
-        M=tuple(exact[M]),
-        c=exact[C],
-        potential=tuple(exact[POTENTIAL]) if scene.potential is not None else None,
-    )
-    system, state = own.start(FLOAT_DIGITS)
-    motion: Motion = system.motion_through(state)
-    return motion

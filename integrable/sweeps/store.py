@@ -133,13 +133,8 @@ class Store:
 
     def finish(self) -> None:
         """Makes the sweep's file from all chunks."""
-        reasons = reasons_text(self.reasons)
-        attributes = {
-            **self.layout.contents.attributes,
-            "reasons": reasons,
-            "refused": self.refused,
-            "stamp": self.layout.stamp,
-        }
+        own = {"reasons": reasons_text(self.reasons), "refused": self.refused, "stamp": self.layout.stamp}
+        attributes = {**self.layout.contents.attributes, **own}
         with said(self.path, "out"):
             self._format.finish(self.path, attributes, described(self.layout, self.reasons))
         self._lock.release()
@@ -226,14 +221,13 @@ class _Zarr:
             group.create_array(
                 name, shape=shape, chunks=(self._layout.chunk, *(max(1, n) for n in shape[1:])), dtype=kind,
                 dimension_names=made[name].dims,
-                # chunks of zeros are written too, since a missing chunk counts as not finished
-                config={"write_empty_chunks": True},
             )  # fmt: skip
 
     def put(self, chunk: int, arrays: dict[str, np.ndarray]) -> None:
         import zarr
 
         begin, end = self._layout.ends(chunk)
+        # chunks of zeros are written too, since a missing chunk counts as not finished
         with zarr.config.set({"array.write_empty_chunks": True}):
             self._group = self._group or zarr.open_group(self._states, mode="a")
             for name, values in arrays.items():
@@ -264,12 +258,8 @@ class _Zarr:
         written = shapes(self._layout, self._layout.count)
         for name, column in made.items():
             if name not in written:
-                array = group.create_array(
-                    name, data=np.array(column.values), dimension_names=column.dims, overwrite=True
-                )
-            else:
-                array = group[name]
-            array.attrs.update(column.attributes())
+                group.create_array(name, data=np.array(column.values), dimension_names=column.dims, overwrite=True)
+            group[name].attrs.update(column.attributes())
         group.attrs.update(attributes)
         self._states.replace(path)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -93,14 +93,14 @@ def sweep(
     stderr. Raises ArgumentError for wrong arguments, a full disk or another file at ``out``, and SweepStopped if the
     executor dies.
     """
-    source = _Source.of(what, vary, times)
+    source = _source(what, vary, times)
     if not isinstance(executor, Executor):
         executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
     chunk = source.usual_chunk if chunk is None else whole(chunk, "chunk", "an int ≥ 1 is needed", 1)
     # a chunk has at most all members, so that all larger values of ``chunk`` give the same layout
-    chunk = min(chunk, max(1, len(source)))
+    chunk = min(chunk, max(1, source.count))
     bar = flag(progress, "progress") and not without({"tqdm": "the progress bar"})
-    store, count = Store(out, source.layout(chunk)), len(source)
+    store, count = Store(out, source.layout(chunk)), source.count
     if store.complete:
         return Swept(store.path, count, store.refused)
     with store, _pool(executor, store.layout.chunks - len(store.done)) as (pool, workers):
@@ -110,100 +110,76 @@ def sweep(
     return Swept(store.path, count, store.refused)
 
 
+@dataclass(frozen=True)
 class _Source:
-    """The scene or ensemble of a sweep, which gives ranges of members, and the content of the file."""
+    """The motions of a sweep: ``count`` members, a range of which ``members(begin, end)`` gives, at ``times``."""
 
     name: str
     times: np.ndarray
-
-    @staticmethod
-    def of(what: Any, vary: Any, times: Any) -> _Source:
-        if isinstance(what, (Ensemble, PathEnsemble)):
-            if vary is not None:
-                raise ArgumentError(f"vary = {shown(vary)}: an ensemble has its members; leave vary out")
-            return _OfEnsemble(what, times)
-        if not isinstance(what, (Scene, str, os.PathLike)):
-            raise ArgumentError(f"what = {shown(what)}: give a scene, its name or file, or an ensemble")
-        if times is not None:
-            raise ArgumentError(f"times = {shown(times)}: a scene has its times; leave times out")
-        return _OfScene(what if isinstance(what, Scene) else load_scene(what), vary)  # type: ignore[arg-type]
+    count: int
+    members: Callable[[int, int], Starts[Any, Any]]
+    contents: Contents
 
     @property
     def usual_chunk(self) -> int:
         """The default number of members of a chunk."""
-        return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-len(self) // 4)))
+        return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-self.count // 4)))
 
     def layout(self, chunk: int) -> Layout:
         """The layout of the file, with ``chunk`` members in each chunk."""
-        contents = self.contents()
+        contents = self.contents
         arrays = {"times": self.times, **{name: column.values for name, column in contents.parameters.items()}}
         known = {name: [array.shape, _digest(array.tobytes())] for name, array in arrays.items()}
-        whole = _digest(json.dumps([version(), chunk, contents.identity, known]).encode())
-        return Layout(len(self), self.times, chunk, contents, whole)
-
-    def __len__(self) -> int:
-        raise NotImplementedError
-
-    def members(self, begin: int, end: int) -> Starts[Any, Any]:
-        """The members ``begin`` to ``end`` − 1."""
-        raise NotImplementedError
-
-    def contents(self) -> Contents:
-        """The arrays, parameters and attributes of the sweep's file, and what its states depend on."""
-        raise NotImplementedError
+        stamp = _digest(json.dumps([version(), chunk, contents.identity, known]).encode())
+        return Layout(self.count, self.times, chunk, contents, stamp)
 
 
 def _digest(content: bytes) -> str:
     return sha256(content).hexdigest()[:32]
 
 
-class _OfEnsemble(_Source):
-    def __init__(self, many: Ensemble | PathEnsemble, times: Any) -> None:
-        self.many, self.name = many, type(many.system).__name__
-        if times is None:
-            raise ArgumentError("times = None: an ensemble is swept at times of shape (N,)")
-        found = time_rows(times, len(many))
-        if len(found) > 1 or np.ndim(times) > 1:
-            raise ArgumentError(f"times have shape {np.shape(times)}: a sweep has the same for all members, (N,)")
-        self.times = found[0]
-
-    def __len__(self) -> int:
-        return len(self.many)
-
-    def members(self, begin: int, end: int) -> Starts[Any, Any]:
-        some: Ensemble | PathEnsemble = self.many[begin:end]
-        return some
-
-    def contents(self) -> Contents:
-        return self.many._contents
+def _source(what: Any, vary: Any, times: Any) -> _Source:
+    if isinstance(what, (Ensemble, PathEnsemble)):
+        if vary is not None:
+            raise ArgumentError(f"vary = {shown(vary)}: an ensemble has its members; leave vary out")
+        return _of_ensemble(what, times)
+    if not isinstance(what, (Scene, str, os.PathLike)):
+        raise ArgumentError(f"what = {shown(what)}: give a scene, its name or file, or an ensemble")
+    if times is not None:
+        raise ArgumentError(f"times = {shown(times)}: a scene has its times; leave times out")
+    return _of_scene(what if isinstance(what, Scene) else load_scene(what), vary)  # type: ignore[arg-type]
 
 
-class _OfScene(_Source):
-    def __init__(self, scene: Scene, vary: Any) -> None:
-        self.scene, self.name = scene, scene.name
-        self.grid = Grid(scene, {} if vary is None else vary)
-        self.system, _ = scene.start(FLOAT_DIGITS)
-        self.times = np.array(scene.times.floats())
+def _of_ensemble(many: Ensemble | PathEnsemble, times: Any) -> _Source:
+    if times is None:
+        raise ArgumentError("times = None: an ensemble is swept at times of shape (N,)")
+    found = time_rows(times, len(many))
+    if len(found) > 1 or np.ndim(times) > 1:
+        raise ArgumentError(f"times have shape {np.shape(times)}: a sweep has the same for all members, (N,)")
+    name = type(many.system).__name__
+    return _Source(name, found[0], len(many), lambda begin, end: many[begin:end], many._contents)
 
-    def __len__(self) -> int:
-        return len(self.grid)
 
-    def members(self, begin: int, end: int) -> Starts[Any, Any]:
-        rows = self.grid.rows(begin, end)
-        if self.scene.rolls_or_spins:
-            return Ensemble(self.system, np.nan_to_num(rows[:, :C]), self.scene.tilted)
-        return Scenes(self.scene, rows)
+def _of_scene(scene: Scene, vary: Any) -> _Source:
+    grid = Grid(scene, {} if vary is None else vary)
+    system, _ = scene.start(FLOAT_DIGITS)
 
-    def contents(self) -> Contents:
-        said, left_out = self.scene.describe(), ("title", "reference", "description", "report", "pictures")
-        parameters = {
-            name.replace(".", "_"): Column(("member",), values, "1", f"{name} of the scene, varied")
-            for name, values in self.grid.values(0, len(self)).items()
-        }
-        scene, shape = json.dumps(said, ensure_ascii=False), list(self.grid.shape) or [1]
-        attributes = about(self.system, scene=scene, tilted=int(self.scene.tilted), grid=shape)
-        identity = {key: said[key] for key in said if key not in left_out}
-        return Contents(STATES, parameters, attributes, identity, OF_BODIES.words)
+    def members(begin: int, end: int) -> Starts[Any, Any]:
+        rows = grid.rows(begin, end)
+        if scene.rolls_or_spins:
+            return Ensemble(system, np.nan_to_num(rows[:, :C]), scene.tilted)
+        return Scenes(scene, rows)
+
+    said, left_out = scene.describe(), ("title", "reference", "description", "report", "pictures")
+    parameters = {
+        name.replace(".", "_"): Column(("member",), values, "1", f"{name} of the scene, varied")
+        for name, values in grid.values(0, len(grid)).items()
+    }
+    text, shape = json.dumps(said, ensure_ascii=False), list(grid.shape) or [1]
+    attributes = about(system, scene=text, tilted=int(scene.tilted), grid=shape)
+    identity = {key: said[key] for key in said if key not in left_out}
+    contents = Contents(STATES, parameters, attributes, identity, OF_BODIES.words)
+    return _Source(scene.name, np.array(scene.times.floats()), len(grid), members, contents)
 
 
 def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any) -> None:

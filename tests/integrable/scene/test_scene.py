@@ -116,6 +116,11 @@ REFUSED = [
     ('[0, 0.1, "1/3"]', "{until = 2, count = 1}", "[run] times: count: 1 given; an integer ≥ 2 is needed"),
     ('[0, 0.1, "1/3"]', '{until = 2, count = 3, spacing = "lin"}', 'spacing: "lin" given; did you mean "linear"?'),
     ('[0, 0.1, "1/3"]', '{until = 2, count = 3, spacing = "log"}', "[run] times: from: missing; a number is needed"),
+    (
+        '[0, 0.1, "1/3"]',
+        '{from = "1e-200", until = "1e200", count = 3, spacing = "log"}',
+        "[run] times: until: 1e+200 given; at most 1e300 times 1e-200 is needed",
+    ),
     ("times =", "digits = 0\ntimes =", "[run] digits: 0 given; an integer ≥ 1 is needed"),
     ("times =", "digits = 15.5\ntimes =", "[run] digits: 15.5 given; an integer ≥ 1 is needed"),
     ("[run]", '[output]\npictures = ["spheer"]\n[run]', '[output] pictures: "spheer" given; did you mean "sphere"?'),

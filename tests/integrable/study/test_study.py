@@ -199,7 +199,8 @@ def claimed(store, key):
     try:
         yield lock is not None
     finally:
-        store.release(lock)
+        if lock is not None:
+            lock.release()
 
 
 def test_a_claim_is_for_one_and_ends_with_its_process(tmp_path):
@@ -208,7 +209,7 @@ def test_a_claim_is_for_one_and_ends_with_its_process(tmp_path):
         assert (mine, theirs, other) == (True, False, True)
     code = (
         "import sys, time; from integrable.study.store import Store; "
-        "Store(sys.argv[1]).claim('a'); print('held', flush=True); time.sleep(600)"
+        "lock = Store(sys.argv[1]).claim('a'); print('held', flush=True); time.sleep(600)"
     )
     process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True)
     with process.stdout:
@@ -262,7 +263,7 @@ def test_a_worker_that_dies_costs_its_row_alone(rows, tmp_path):
         assert content["error"] == "the process died with exit code -9"
     finally:
         worker.stop()
-        worker.let_go(store)
+        worker.let_go()
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="processes are looked up in /proc")
@@ -285,7 +286,7 @@ def test_what_a_stopped_worker_has_started_ends_with_it(source, tmp_path):
         assert started()
     finally:
         worker.stop()
-        worker.let_go(store)
+        worker.let_go()
     until = time.monotonic() + 60
     while started() and time.monotonic() < until:
         time.sleep(0.01)
