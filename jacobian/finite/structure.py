@@ -119,11 +119,8 @@ class PrimaryGroup:
 
     def combination(self, coefficients: Iterable[int]) -> Divisor:
         """Σ c_i · generator_i."""
-        total = self.zero
-        for c, generator in zip(coefficients, self.generators, strict=True):
-            if c:
-                total = total + c * generator
-        return total
+        pairs = zip(coefficients, self.generators, strict=True)
+        return sum((c * generator for c, generator in pairs if c), self.zero)
 
     def coordinates(self, y: Divisor) -> list[int] | None:
         """The coordinates c_i of y = Σ c_i · generator_i, found digit by digit; None for a y outside the group."""
@@ -184,14 +181,12 @@ class PrimaryGroup:
         size = len(self.generators)
         relations = [[self.prime**e if i == j else 0 for j in range(size + 1)] for i, e in enumerate(self.exponents)]
         relations.append([*[-c for c in known], self.prime**height])
-        self._set(*_diagonalise(relations, [*self.generators, x], self.prime, sum(self.exponents) + height + 1))
-        return True
-
-    def _set(self, exponents: list[int], generators: list[Divisor]) -> None:
-        pairs = sorted(zip(exponents, generators, strict=True), key=lambda pair: -pair[0])
-        self.exponents = [e for e, _ in pairs if e]
-        self.generators = [generator for e, generator in pairs if e]
+        found = _diagonalise(relations, [*self.generators, x], self.prime, sum(self.exponents) + height + 1)
+        pairs = sorted((pair for pair in zip(*found, strict=True) if pair[0]), key=lambda pair: -pair[0])
+        self.exponents = [e for e, _ in pairs]
+        self.generators = [generator for _, generator in pairs]
         self._tables = {}
+        return True
 
 
 def _diagonalise(rows: list[list[int]], basis: list[Any], prime: int, top: int) -> tuple[list[int], list[Any]]:
