@@ -88,7 +88,9 @@ LIBRARY = Library("miller", {"function_at": (function_at, (CONTEXT, PAIR, PAIR, 
 
 
 COLD = 1000
-"""The number of runs of the loop in Python that take as long as its compilation, 0.4 s (``python -m benchmarks pairing``)."""
+"""The number of runs of the loop in Python that take as long as its compilation, 0.4 s (``python -m benchmarks
+pairing``).
+"""
 CALLS = count()
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import struct
+from math import prod
 from typing import Any, NamedTuple
 
 from jacobian.native.kinds import BOOL, INT, INTS, LONG, NONE, ArrayKind, CompileError, TupleKind
@@ -49,10 +50,7 @@ class Scratch(NamedTuple):
     @property
     def words(self) -> int:
         """The number of 64-bit words."""
-        count = self.kind.parts
-        for size in self.shape:
-            count *= size
-        return count
+        return self.kind.parts * prod(self.shape)
 
 
 class Rows(NamedTuple):
@@ -133,15 +131,9 @@ def method(body: Any, name: str, instance: Any, head: list[str], given: Objects)
     failed = body.write(f"icmp ne ptr {body.write('call ptr @PyErr_Occurred()')}, null")
     body.lines += [f"  br i1 {failed}, label %failed, label %good", "failed:", "  ret ptr null", "good:"]
     state = body.write("call ptr @PyEval_SaveThread()") if given.unlocked else ""
-    call, leaves = f"call {instance.returned} @{instance.name}({', '.join(values)})", instance.result.leaves
-    found = "" if instance.result is NONE else body.write(call)
-    if not found:
-        body.lines.append(f"  {call}")
+    parts = list(body.result_of(instance, values))
     if given.unlocked:
         body.lines.append(f"  call void @PyEval_RestoreThread(ptr {state})")
-    parts = [found]
-    if len(leaves) > 1:
-        parts = [body.write(f"extractvalue {instance.returned} {found}, {k}") for k in range(len(leaves))]
     back = made(body, instance.result, parts)
     head_line = f"define ptr @{name}(ptr %self, ptr %given, i64 %count) nounwind {{"
     # a failed check returns without an exception set, for which Python raises SystemError

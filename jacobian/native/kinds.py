@@ -39,6 +39,8 @@ LONG = Kind("long", ("i128",), 4)
 """A natural number below 2^128."""
 COMPLEX = Kind("complex", ("double", "double"), 5)
 NONE = Kind("None", ())
+OBJECT = Kind("object", ())
+"""An object known at compile time: a function, a class, a module or a dictionary."""
 _ABREAST = {
     kind: Kind(f"{kind.name} abreast", tuple(f"<{LANES} x {leaf}>" for leaf in kind.leaves), kind.rank, kind)
     for kind in (BOOL, INT, FLOAT, WIDE)
@@ -153,16 +155,6 @@ def form_of(kind: Any) -> tuple[Any, ...]:
     if isinstance(kind, ArrayKind):
         return kind, kind.dtype, kind.axes, None
     return kind, None, 0, kind.forms if isinstance(kind, TupleKind) else None
-
-
-@dataclass(frozen=True)
-class ObjectKind:
-    """An object known at compile time: a function or a class."""
-
-    leaves: tuple[str, ...] = ()
-
-
-OBJECT = ObjectKind()
 
 
 @dataclass(frozen=True)

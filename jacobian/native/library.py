@@ -145,7 +145,7 @@ class Call:
         letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
         self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
         self._size, self._tuple = self._in.size + self._out.size, result != back
-        self._longs, self._nothing = LETTERS["i128"] in back, result == ""
+        self._longs = LETTERS["i128"] in back
 
     def __call__(self, *arguments: Any) -> Any:
         words: list[Any] = []
@@ -153,17 +153,10 @@ class Call:
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
         self.entry.call(addressof(from_buffer(memory)))
-        if self._nothing:
-            return None
-        found = self._read(memory)
-        return found if self._tuple else found[0] if found else None
-
-    def _read(self, memory: bytearray) -> tuple[Any, ...]:
-        """The scalars of a call's result, unpacked from its memory."""
         found = self._out.unpack_from(memory, self._in.size)
         if self._longs:
-            return tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
-        return found
+            found = tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
+        return found if self._tuple else found[0] if found else None
 
 
 LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}

@@ -6,6 +6,7 @@ Each function of the arithmetic takes the context as its first argument and writ
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from typing import Any
 
 from jacobian.native.kinds import INT, LONG, Value, record
@@ -25,10 +26,7 @@ def halves(b: Operators, x: str) -> tuple[str, str]:
 
 def total(b: Operators, *terms: str) -> str:
     """The sum of the terms, a long."""
-    found = terms[0]
-    for x in terms[1:]:
-        found = b.write(f"add i128 {found}, {x}")
-    return found
+    return reduce(lambda x, y: b.write(f"add i128 {x}, {y}"), terms)
 
 
 def product(b: Operators, x: str, y: str) -> tuple[str, str]:

@@ -29,18 +29,14 @@ from jacobian.native.kinds import (
 
 ARITHMETIC = {"Add": "add", "Sub": "sub", "Mult": "mul"}
 BITS = {"LShift": "shl", "RShift": "ashr", "BitAnd": "and", "BitOr": "or", "BitXor": "xor"}
-FOLDED: dict[str, Callable[[int, int], Any]] = {
-    "Add": lambda x, y: x + y, "Sub": lambda x, y: x - y, "Mult": lambda x, y: x * y, "Pow": lambda x, y: x**y,
-    "FloorDiv": lambda x, y: x // y, "Mod": lambda x, y: x % y, "LShift": lambda x, y: x << y,
-    "BitAnd": lambda x, y: x & y,
-}  # fmt: skip
 RELATIONS = {"Lt": ("olt", "slt"), "LtE": ("ole", "sle"), "Gt": ("ogt", "sgt"), "GtE": ("oge", "sge"),
              "Eq": ("oeq", "eq"), "NotEq": ("une", "ne")}  # fmt: skip
-
-FOLDED_RELATIONS: dict[str, Callable[[int, int], bool]] = {
-    "Lt": operator.lt, "LtE": operator.le, "Gt": operator.gt, "GtE": operator.ge, "Eq": operator.eq,
-    "NotEq": operator.ne,
+FOLDED: dict[str, Callable[[int, int], int]] = {
+    "Add": operator.add, "Sub": operator.sub, "Mult": operator.mul, "Pow": operator.pow, "Mod": operator.mod,
+    "FloorDiv": operator.floordiv, "LShift": operator.lshift, "BitAnd": operator.and_, "Lt": operator.lt,
+    "LtE": operator.le, "Gt": operator.gt, "GtE": operator.ge, "Eq": operator.eq, "NotEq": operator.ne,
 }  # fmt: skip
+"""The operators and relations that are computed at compile time if both operands are known."""
 
 
 def integer(n: int) -> Value:
@@ -175,11 +171,9 @@ class Operators(Code):
     def negative(self, x: Value) -> Value:
         """−x."""
         if x.kind is INT:
-            return (
-                integer(-x.known())
-                if x.is_known
-                else Value(INT, (self.int_binary("Sub", self.literal("i64", "0"), x.parts[0]),))
-            )
+            if x.is_known:
+                return integer(-x.known())
+            return Value(INT, (self.int_binary("Sub", self.literal("i64", "0"), x.parts[0]),))
         return Value(x.kind, tuple(self.fneg(part) for part in x.parts))
 
     @in_lanes
@@ -265,7 +259,7 @@ class Operators(Code):
         if not is_number(kind) or name not in RELATIONS:
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
         if x.is_known and y.is_known:
-            return Value(BOOL, (str(int(FOLDED_RELATIONS[name](x.known(), y.known()))),))
+            return Value(BOOL, (str(int(FOLDED[name](x.known(), y.known()))),))
         x, y = self.cast(x, kind), self.cast(y, kind)
         of_floats, of_integers = RELATIONS[name]
         double, word, bit = self.types[:3]
@@ -365,13 +359,8 @@ class Operators(Code):
         return Value(FLOAT, (self.write(f"call double @ldexp(double {self.float_of(x)}, i32 {exponent})"),))
 
 
-def length(b: Operators, x: Value) -> Value:
-    """len(x)."""
-    return integer(len(x.kind.items)) if isinstance(x.kind, TupleKind) else Value(INT, (x.parts[1],))
-
-
 BUILTINS: dict[Any, Callable[..., Value]] = {
-    len: length,
+    len: lambda b, x: integer(len(x.kind.items)) if isinstance(x.kind, TupleKind) else Value(INT, (x.parts[1],)),
     abs: Operators.absolute,
     float: Operators.rounded,
     int: Operators.whole,
