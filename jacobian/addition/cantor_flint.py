@@ -106,11 +106,8 @@ class FlintCantor:
             yield line, (u, v, n)
 
     def _reduced(self, u: Any, v: Any, n: int | None) -> cantor.Triple:
-        while u.degree() > self.limit:
-            u, v, n = self._reflect(u, v, n)
-        if n is not None:
-            for _, last in self.reductions(u, v, n):
-                u, v, n = last
+        for _, last in self.reductions(u, v, n):
+            u, v, n = last
         lead = u.leading_coefficient()
         if lead != 1:
             u = u * (1 / lead)

@@ -47,7 +47,8 @@ COLD = 300_000
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """READY and COLD over GF(2^n), where additions in Python take longer."""
 SHARE = 64
-"""A group reports its additions in portions of this size. For fewer additions no compiled kernel is needed."""
+"""The number of additions after which a group adds them to the common count. So a group with fewer additions never
+switches."""
 
 Addition = Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
 Doubling = Callable[[cantor.Triple], cantor.Triple]
@@ -192,7 +193,10 @@ class Counted:
         try:
             if interpreted():
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
-            chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_kept(self._curve) else None
+            from jacobian.addition.calls import is_kept
+
+            worth = self._work.additions >= cold or is_kept(self._curve, is_two_words_long(self._curve))
+            chosen = compiled_kernel(self._curve) if worth else None
         except (ImportError, RuntimeError) as error:
             # the user did not ask for compilation, so without llvmlite the Python kernel is kept
             self._work.additions = -math.inf
@@ -203,21 +207,12 @@ class Counted:
             self._adopt(chosen)
 
 
-def _is_kept(C: HyperellipticCurve) -> bool:
-    """Whether the compiled kernels are on disk."""
-    from jacobian.addition import calls
-
-    return calls.is_kept(C, is_two_words_long(C))
-
-
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
     """Numbers of additions that take as long as loading C's compiled kernels from disk, and as compiling them."""
     return (BINARY_READY, BINARY_COLD) if not is_word_sized(C) and C.field.characteristic == 2 else (READY, COLD)
 
 
 # --- an explanation of the choice
-
-WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 
 
 def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
@@ -247,7 +242,7 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
             f"compiled code on two words, for genus {C.genus} over {fields}: explicit formulas, and the kernel in "
             "Python in special positions"
         )
-    return f"compiled code, for {WORDS}: {_compiled(C)}"
+    return f"compiled code, for GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements: {_compiled(C)}"
 
 
 def _compiled(C: HyperellipticCurve) -> str:

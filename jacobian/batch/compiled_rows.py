@@ -59,17 +59,14 @@ class CompiledRows(StoredRows):
         self._cantor_loops = libraries.cantor(self.kind)
 
     def numbers_in_words(self, elements: Sequence[Any]) -> Any:
-        """The words that represent field elements, as an int64 array."""
         return np.array([self.words.to_word(c) for c in elements], np.int64)
 
     def encoded(self, elements: Any) -> Any:
-        """The words that represent field elements, given as ints."""
         words = np.empty(elements.shape, self.word_dtype)
         self._run.encode_rows(self._packed_words, elements, words)
         return words
 
     def decoded(self, words: Any) -> Any:
-        """The field elements, as ints, that words represent."""
         elements = np.empty(words.shape, np.int64)
         self._run.decode_rows(self._packed_words, words, elements)
         return elements
