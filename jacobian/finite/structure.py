@@ -77,15 +77,11 @@ class Structure(NamedTuple):
 
     def _primary(self, prime: int, zero: Divisor) -> tuple[PrimaryGroup, list[int]]:
         """The ℓ-part of the group, ℓ = ``prime``, and the indices of the generators whose multiples generate it."""
-        group = PrimaryGroup(zero, prime)
         top = self.exponent.bit_length()
         exponents = {place: _valuation(d, prime, top) for place, d in enumerate(self.invariants) if d % prime == 0}
         places = sorted(exponents, key=lambda place: -exponents[place])
-        group.exponents = [exponents[place] for place in places]
-        group.generators = [
-            self.invariants[place] // prime ** exponents[place] * self.generators[place] for place in places
-        ]
-        return group, places
+        generators = [self.invariants[i] // prime ** exponents[i] * self.generators[i] for i in places]
+        return PrimaryGroup(zero, prime, generators, [exponents[i] for i in places]), places
 
 
 def _combinations(start: Any, steps: Any, counts: Any) -> Iterator[tuple[tuple[int, ...], Any]]:
@@ -102,14 +98,14 @@ def _combinations(start: Any, steps: Any, counts: Any) -> Iterator[tuple[tuple[i
 class PrimaryGroup:
     """A group of ℓ-power order, ℓ = ``prime``, with independent ``generators`` of orders ℓ^``exponents``, descending.
 
-    It starts as {0}.
+    Without generators it is {0}.
     """
 
-    def __init__(self, zero: Divisor, prime: int) -> None:
-        self.zero = zero
-        self.prime = prime
-        self.generators: list[Divisor] = []
-        self.exponents: list[int] = []
+    def __init__(
+        self, zero: Divisor, prime: int, generators: Iterable[Divisor] = (), exponents: Iterable[int] = ()
+    ) -> None:
+        self.zero, self.prime = zero, prime
+        self.generators, self.exponents = list(generators), list(exponents)
         self._tables: dict[int, dict[Divisor, tuple[int, ...]]] = {}
 
     @property
@@ -267,11 +263,9 @@ def torsion(J: GroupLaw, m: int, rng: Rng | None = None) -> Structure:
     for prime, exponent in factorization(gcd(J.order(), m)).items() if m > 1 else ():
         group = sylow_subgroup(J, prime, rng)
         exponent = _valuation(m, prime, m.bit_length())
-        part = PrimaryGroup(J.zero(), prime)
         pairs = zip(group.exponents, group.generators, strict=True)
-        part.generators = [prime ** max(e - exponent, 0) * generator for e, generator in pairs]
-        part.exponents = [min(e, exponent) for e in group.exponents]
-        groups.append(part)
+        generators = [prime ** max(e - exponent, 0) * generator for e, generator in pairs]
+        groups.append(PrimaryGroup(J.zero(), prime, generators, [min(e, exponent) for e in group.exponents]))
     return joined(groups)
 
 

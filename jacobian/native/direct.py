@@ -8,7 +8,6 @@ in many calls; the method is bound to a bytes object that holds them.
 from __future__ import annotations
 
 import ctypes
-import struct
 from math import prod
 from typing import Any, NamedTuple
 
@@ -154,15 +153,14 @@ class Method:
     of the other arguments.
     """
 
-    def __init__(self, entry: Any, name: str, letters: str, words_of: Any) -> None:
-        self._entry, self._letters, self._words_of = entry, letters, words_of
+    def __init__(self, entry: Any, name: str, packed: Any) -> None:
+        self._entry, self._packed = entry, packed
         # every function that a call returns points to this definition, so it lives as long as the process
         self._definition = _Definition(name.encode(), entry.address, FAST_CALL, None)
         _KEPT.append((self._definition, entry))
 
     def __call__(self, *leading: Any) -> Any:
-        head = struct.pack(f"={self._letters}", *self._words_of(leading))
-        return _new(ctypes.byref(self._definition), head, None)
+        return _new(ctypes.byref(self._definition), self._packed(*leading), None)
 
 
 _KEPT: list[Any] = []

@@ -301,7 +301,7 @@ class Expressions(Operators):
         return Value(item, tuple(parts))
 
     def lane(self, value: Value, leaf: str, k: int) -> Value:
-        """The value in lane k of a vector."""
+        """The value in lane k of a vector; ``leaf`` is the type of each of its scalars."""
         parts = (self.write(f"extractelement <{LANES} x {leaf}> {part}, i64 {k}") for part in value.parts)
         return Value(single(value.kind), tuple(parts))
 
@@ -321,9 +321,7 @@ class Expressions(Operators):
         if is_abreast(address.kind):
             value = self.cast(value, abreast(item))
             for k in range(LANES):
-                parts = (self.lane(Value(value.kind, (part,)), leaf, k).parts[0]
-                         for leaf, part in zip(item.leaves, value.parts, strict=True))  # fmt: skip
-                self.put(row, self.lane(address, "ptr", k), Value(item, tuple(parts)))
+                self.put(row, self.lane(address, "ptr", k), self.lane(value, item.leaves[0], k))
             return
         if meeting(item, value.kind) != item:
             raise CompileError(f"{value.kind} into an array of {item}")
