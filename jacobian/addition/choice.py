@@ -74,11 +74,11 @@ class Kernel(NamedTuple):
     multiple: Multiple
 
 
-def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
+def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None) -> Kernel:
     """The kernel for C, the ``arithmetic_model`` of a curve over an exact field.
 
-    Additions are counted in ``work``. When they have taken as long as the switch to the compiled kernel, ``adopt`` is
-    called with that kernel. Without ``adopt`` no compiled kernel is considered.
+    When the additions of this process have taken as long as the switch to the compiled kernel, ``adopt`` is called with
+    that kernel. Without ``adopt`` no compiled kernel is considered.
     """
     chosen = python_kernel(C)
     if cantor_flint.pays(C):
@@ -86,7 +86,7 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None,
         chosen = _with_ladder(C, on_flint.sum_of, on_flint.double)
     if adopt is None or not (is_word_sized(C) or is_two_words_long(C)):
         return chosen
-    counted = Counted(C, chosen, adopt, work)
+    counted = Counted(C, chosen, adopt)
     return Kernel(counted.sum_of, counted.double, counted.multiple)
 
 
@@ -153,12 +153,12 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
 
 
 class Counted:
-    """A kernel that counts its additions. It switches to the compiled kernel when all groups that share its ``work``
-    have done enough additions together.
+    """A kernel that counts its additions. It switches to the compiled kernel when all groups of the process have done
+    enough additions together.
     """
 
-    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None], work: Work) -> None:
-        self._curve, self._adopt, self._work = C, adopt, work
+    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None]) -> None:
+        self._curve, self._adopt = C, adopt
         self._sum_of, self._double, self._multiple = chosen
         self._left = SHARE
 
@@ -185,21 +185,21 @@ class Counted:
         return self._multiple(m, a)
 
     def _account(self) -> None:
-        self._work.additions += SHARE - self._left
+        PROCESS.additions += SHARE - self._left
         self._left = SHARE
         ready, cold = costs(self._curve)
-        if self._work.additions < ready:
+        if PROCESS.additions < ready:
             return
         try:
             if interpreted():
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
             from jacobian.addition.calls import is_kept
 
-            worth = self._work.additions >= cold or is_kept(self._curve, is_two_words_long(self._curve))
+            worth = PROCESS.additions >= cold or is_kept(self._curve, is_two_words_long(self._curve))
             chosen = compiled_kernel(self._curve) if worth else None
         except (ImportError, RuntimeError) as error:
             # the user did not ask for compilation, so without llvmlite the Python kernel is kept
-            self._work.additions = -math.inf
+            PROCESS.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)
             return
         if chosen is not None:

@@ -65,7 +65,6 @@ class ExplicitFormulas:
         self.sum_of, self.double = (MethodType(function, self) for function in functions)
 
     def text(self) -> str:
-        """The text of the code that adds and doubles."""
         return text_of(self.formulas, self.known, self.style)
 
 

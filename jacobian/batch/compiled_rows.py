@@ -46,8 +46,7 @@ class CompiledRows(StoredRows):
         else:
             own = word_context(K.p)
             self.word_dtype = np.int32 if own.bits == 32 else np.int64
-            # canonical words are valid in a wide context too, so loops other than sums are compiled for that context
-            # only
+            # only sums gain from the spare bits of small primes: all other loops are compiled once, for Wide contexts
             words = (Wide32 if own.bits == 32 else Wide64)(*own)
         self.dtype = np.float64 if self.floats else self.word_dtype
         if self.floats:
@@ -72,7 +71,7 @@ class CompiledRows(StoredRows):
         return elements
 
     def bits(self, words: Any) -> Any:
-        """The array of words, or of the bits of floats, for loops that only copy numbers."""
+        """The array of words, floats viewed as integers, for loops that only copy numbers."""
         return words.view(np.int64) if self.floats else words
 
     def of_memory(self, words: Any) -> Any:

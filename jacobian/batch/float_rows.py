@@ -7,7 +7,7 @@ the row of this sum is lost; the other rows stay valid.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -171,20 +171,9 @@ class FloatRows:
             data[:, same], kind[same] = summand[:, same], summand_kind[same]
             special &= ~same
         for i in np.flatnonzero(special).tolist():
-            data[:, i], kind[i] = self._single(
-                *(self._divisor(a[:, i].tolist(), k[i]) for a, k in zip((x.data, columns), kinds, strict=True))
-            )
+            D, E = (self._divisor(a[:, i].tolist(), k[i]) for a, k in zip((x.data, columns), kinds, strict=True))
+            data[:, i], kind[i] = _result(self.jacobian.add, D, E)
         return _rows(data, kind)
-
-    def _single(self, D: Divisor, E: Divisor) -> tuple[list[Any], int]:
-        """The column and the kind of D + E, added by the Jacobian."""
-        try:
-            total = self.jacobian.add(D, E)
-        except PrecisionLoss:
-            return [0] * 4, LOST
-        except NotRepresentable:
-            return [0] * 4, AT_INFINITY
-        return _column(total), _kind(total)
 
     def double(self, x: Rows) -> Rows:
         return self.add(x, x)
@@ -203,12 +192,7 @@ class FloatRows:
         source = np.broadcast_to(x.data, data.shape)
         kind = x.kind.copy()
         for i in low[kind[low] < LOST].tolist():
-            try:
-                D = self.jacobian.negate(self._divisor(source[:, i].tolist(), kind[i]))
-            except NotRepresentable:
-                data[:, i], kind[i] = 0, AT_INFINITY
-            else:
-                data[:, i], kind[i] = _column(D), _kind(D)
+            data[:, i], kind[i] = _result(self.jacobian.negate, self._divisor(source[:, i].tolist(), kind[i]))
         data[:, kind >= LOST] = 0
         return Rows(data, kind, len(x))
 
@@ -238,3 +222,14 @@ def _column(D: Divisor) -> list[Any]:
 
 def _kind(D: Divisor) -> int:
     return int(FIRST[len(D.u) - 1]) + (D.n or 0)
+
+
+def _result(operation: Callable[..., Divisor], *operands: Divisor) -> tuple[list[Any], int]:
+    """The column and the kind of the result of an operation of the Jacobian."""
+    try:
+        found = operation(*operands)
+    except PrecisionLoss:
+        return [0] * 4, LOST
+    except NotRepresentable:
+        return [0] * 4, AT_INFINITY
+    return _column(found), _kind(found)

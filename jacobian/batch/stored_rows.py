@@ -86,7 +86,9 @@ class StoredRows:
     # --- methods that depend on the kind of words
 
     def view(self, words: Any) -> Any:
-        """An array of words in the form that loops take: a view of the same memory."""
+        """An array of words in the form that loops take: a view of the same memory, as pairs of ints for numbers of two
+        words.
+        """
         return words
 
     def bits(self, words: Any) -> Any:

@@ -51,7 +51,8 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
     power = K.characteristic
     while power < K.order:
         factor = [[K.power(entry, K.characteristic) for entry in row] for row in factor]
-        norm = _product(K, norm, factor)
+        columns = list(zip(*factor, strict=True))
+        norm = [[K.dot(row, column) for column in columns] for row in norm]
         power *= K.characteristic
     return [int(c) for c in _characteristic_polynomial(K, norm)]
 
@@ -59,7 +60,7 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
 def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
     """A curve isomorphic to C whose F has a root at infinity, if F has a rational root, else C.
 
-    A root at infinity makes the matrices smaller.
+    Then the matrices, whose size is deg F, are smaller.
     """
     K, F = C.field, C.discriminant
     zeros = roots(K, F) if len(F) == 2 * C.genus + 3 else []
@@ -177,14 +178,6 @@ def library() -> Any:
 
     entries = {"recurrence_on_words": (recurrence_on_words, (INTS, INT, INTS, INTS, INTS))}
     return Library("Cartier-Manin", entries)
-
-
-# --- small matrices over a field
-
-
-def _product(K: Any, a: list[list[Any]], b: list[list[Any]]) -> list[list[Any]]:
-    columns = list(zip(*b, strict=True))
-    return [[K.dot(row, column) for column in columns] for row in a]
 
 
 def _characteristic_polynomial(K: Any, matrix: list[list[Any]]) -> list[Any]:

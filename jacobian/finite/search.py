@@ -203,7 +203,7 @@ def search(C: HyperellipticCurve) -> list[int]:
     """
     candidates = _candidates(C)
     rng = Random(0)
-    sides = (Side(_with_classes(C, rng), 1), Side(_with_classes(twist(C), rng), -1))
+    sides = (Side(_with_classes(C, rng), 1), Side(_with_classes(C.quadratic_twist(), rng), -1))
     found = _without_factors(candidates, sides, rng)
     if found is not None:
         return weil.from_real_part(found, candidates.q)
@@ -295,16 +295,6 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
     # r_i ≡ a_i (a coefficient of χ) modulo p: their difference is a multiple of q
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
     return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
-
-
-def twist(C: HyperellipticCurve) -> HyperellipticCurve:
-    """The quadratic twist by a random element."""
-    K: Any = C.field
-    rng = Random(0)
-    c = K.random(rng)
-    while K.trace(c) == K.zero if K.characteristic == 2 else K.is_square(c):
-        c = K.random(rng)
-    return C.quadratic_twist(c)
 
 
 def _with_classes(C: HyperellipticCurve, rng: Random) -> HyperellipticCurve:

@@ -108,7 +108,7 @@ class Code:
         return self.intrinsic("sqrt", x)
 
     def intrinsic(self, name: str, *arguments: str) -> str:
-        """Writes a call of the LLVM intrinsic ``name`` of floats; returns the result's name."""
+        """Writes a call of LLVM's function ``name`` of floats; returns the result's name."""
         double = self.types.double
         given = ", ".join(f"{double} {x}" for x in arguments)
         return self.write(f"call {double} @llvm.{name}.{self.types.suffix}({given})")

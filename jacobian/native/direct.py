@@ -48,7 +48,6 @@ class Scratch(NamedTuple):
 
     @property
     def words(self) -> int:
-        """The number of 64-bit words."""
         return self.kind.parts * prod(self.shape)
 
 

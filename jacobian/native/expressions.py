@@ -55,7 +55,6 @@ class Expressions(Operators):
         return [f"{name}{self.fresh()[2:]}" for name in names]
 
     def go(self, label: str) -> None:
-        """Writes a jump to a block."""
         self.lines.append(f"  br label %{label}")
 
     def condition(self, node: ast.expr) -> str:
@@ -66,7 +65,6 @@ class Expressions(Operators):
         return str(test.parts[0])
 
     def split(self, condition: str, true: str, false: str) -> None:
-        """Writes a branch to one of two blocks."""
         self.lines.append(f"  br i1 {condition}, label %{true}, label %{false}")
 
     # --- memory
@@ -109,7 +107,6 @@ class Expressions(Operators):
     # --- expressions
 
     def value(self, node: ast.expr) -> Value:
-        """The value of an expression."""
         place = self.place(node)
         if place is not None:
             return self.loaded(*place)

@@ -85,7 +85,6 @@ class ArrayKind:
 
     @cached_property
     def dtype(self) -> np.dtype[Any]:
-        """The NumPy dtype of the array."""
         return np.dtype(self.stored or ("int64" if self.item in (INT, LONG) else "float64"))
 
     @cached_property
@@ -166,7 +165,6 @@ class FunctionKind:
 
 
 def record(named: Any, *items: Any) -> TupleKind:
-    """The kind of a NamedTuple."""
     return TupleKind(items, named)
 
 
@@ -177,7 +175,6 @@ class Value(NamedTuple):
     parts: tuple[Any, ...]
 
     def item(self, index: int) -> Value:
-        """An item of a tuple."""
         kind, begin, end = self.kind.place(index)
         return Value(kind, self.parts[begin:end])
 

@@ -25,7 +25,6 @@ def halves(b: Operators, x: str) -> tuple[str, str]:
 
 
 def total(b: Operators, *terms: str) -> str:
-    """The sum of the terms, a long."""
     return reduce(lambda x, y: b.write(f"add i128 {x}, {y}"), terms)
 
 
@@ -68,17 +67,14 @@ def dot(b: Operators, K: Value, *terms: Value) -> Value:
 
 
 def add(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """x + y."""
     return Value(LONG, (addition(b, K.parts[0], x.parts[0], y.parts[0]),))
 
 
 def sub(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """x − y."""
     return Value(LONG, (difference(b, K.parts[0], x.parts[0], y.parts[0]),))
 
 
 def neg(b: Operators, K: Value, x: Value) -> Value:
-    """−x."""
     return Value(LONG, (difference(b, K.parts[0], "0", x.parts[0]),))
 
 

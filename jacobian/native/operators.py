@@ -169,7 +169,6 @@ class Operators(Code):
 
     @in_lanes
     def negative(self, x: Value) -> Value:
-        """−x."""
         if x.kind is INT:
             if x.is_known:
                 return integer(-x.known())
@@ -222,7 +221,6 @@ class Operators(Code):
         return self.write(f"{operation} i128 {x}, {y}")
 
     def float_binary(self, name: str, x: str, y: str) -> str:
-        """:meth:`binary` for floats."""
         if name == "Pow":
             return self.intrinsic("pow", x, y)
         operation = {"Add": "fadd", "Sub": "fsub", "Mult": "fmul", "Div": "fdiv"}.get(name)
@@ -315,7 +313,6 @@ class Operators(Code):
 
     @in_lanes
     def absolute(self, x: Value) -> Value:
-        """|x|."""
         if x.kind is FLOAT:
             return Value(FLOAT, (self.intrinsic("fabs", x.parts[0]),))
         head = Value(FLOAT, x.parts[:1]) if x.kind is WIDE else x
@@ -324,7 +321,6 @@ class Operators(Code):
 
     @in_lanes
     def root(self, x: Value) -> Value:
-        """√x."""
         return self.wide("root", x.parts) if x.kind is WIDE else self.function("sqrt", x)
 
     @in_lanes
@@ -354,7 +350,6 @@ class Operators(Code):
         return Value(TupleKind((FLOAT, INT)), (mantissa, self.write(f"sext i32 {exponent} to i64")))
 
     def ldexp(self, x: Value, n: Value) -> Value:
-        """x·2^n."""
         exponent = self.write(f"trunc i64 {self.cast(n, INT).parts[0]} to i32")
         return Value(FLOAT, (self.write(f"call double @ldexp(double {self.float_of(x)}, i32 {exponent})"),))
 

@@ -109,7 +109,6 @@ class Program:
         return NONE
 
     def text(self) -> str:
-        """The LLVM text of the module."""
         return "\n".join([DECLARED, self._declared, wide_functions(), *self._texts])
 
     def looked_up(self, module: Any, name: str) -> Any:

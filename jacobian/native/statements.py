@@ -29,7 +29,7 @@ class _Wider(Exception):
 
 
 class Statements(Expressions):
-    """Compiles one function for given argument kinds: ``result`` is the kind of its result, ``text`` its LLVM text.
+    """Compiles one function for given argument kinds; ``result`` is the kind of its result.
 
     A name has one kind that holds all its values. If a later value needs a wider kind than the first, compilation
     starts again.
@@ -96,7 +96,6 @@ class Statements(Expressions):
     # --- assignments
 
     def assign_name(self, name: str, value: Value) -> None:
-        """Stores a value in a variable."""
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
         if name == "_":
