@@ -87,7 +87,6 @@ class WordKernel:
         self._structs = [Struct(f"{count}q{8 * max(0, width(g) - count)}x") for count in range(6 + 2 * (2 * g + 1) + 1)]
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
-        """The reduced triple of a + b."""
         (u1, v1, n1), (u2, v2, n2) = a, b
         count = 6 + len(u1) + len(v1) + len(u2) + len(v2)
         pack = self._structs[count].pack
@@ -96,11 +95,9 @@ class WordKernel:
         return self._unpacked(data)
 
     def double(self, a: Triple) -> Triple:
-        """The reduced triple of a + a."""
         return self.multiple(2, a)
 
     def multiple(self, m: int, a: Triple) -> Triple:
-        """The reduced triple of m·a, m > 0."""
         u, v, n = a
         data = bytearray(self._structs[3 + len(u) + len(v)].pack(len(u), len(v), n or 0, *u, *v))
         self._times(bytearray(self._size), data, *scalar(m))
@@ -133,7 +130,6 @@ class ExplicitKernel:
     # if v has g coefficients, u has degree g; classes with a shorter v go to the kernel ``others``
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
-        """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
         if len(v1) == self._genus == len(v2):
             u, v, general = self._add(u1, v1, u2, v2)
@@ -142,7 +138,6 @@ class ExplicitKernel:
         return self._others.sum_of(a, b)
 
     def double(self, a: Triple) -> Triple:
-        """The reduced triple of a + a."""
         u, v, _ = a
         if len(v) == self._genus:
             u, v, general = self._twice(u, v)
@@ -151,7 +146,6 @@ class ExplicitKernel:
         return self._others.double(a)
 
     def multiple(self, m: int, a: Triple) -> Triple:
-        """The reduced triple of m·a, m > 0."""
         return self._others.multiple(m, a)
 
 
@@ -167,7 +161,6 @@ class TwoWordKernel(ExplicitKernel):
         self._times = self._run.multiple_of_class(K, equation)
 
     def multiple(self, m: int, a: Triple) -> Triple:
-        """The reduced triple of m·a, m > 0."""
         u, v, _ = a
         if len(v) == self._genus:
             u, v, general = self._times(u, v, *scalar(m))

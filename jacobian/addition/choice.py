@@ -163,21 +163,18 @@ class Counted:
         self._left = SHARE
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + b."""
         self._left -= 1
         if self._left < 0:
             self._account()
         return self._sum_of(a, b)
 
     def double(self, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + a."""
         self._left -= 1
         if self._left < 0:
             self._account()
         return self._double(a)
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of m·a, m > 0."""
         # a multiple takes a doubling for each bit of m and an addition for every fifth bit
         self._left -= m.bit_length() * 6 // 5
         if self._left < 0:

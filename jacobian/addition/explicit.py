@@ -92,11 +92,9 @@ class GmpFormulas:
         )
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + b."""
         return _on_ints(self._sum_of(a, b))
 
     def double(self, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + a."""
         return _on_ints(self._double(a))
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:

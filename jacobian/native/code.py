@@ -29,7 +29,6 @@ SINGLE = Types("double", "i64", "i1", "f64", "", 1)
 
 
 def types_in(n: int) -> Types:
-    """The types for n lanes."""
     if n == 1:
         return SINGLE
     double, word, bit = (f"<{n} x {leaf}>" for leaf in SINGLE[:3])
@@ -62,7 +61,6 @@ class Code:
         self._count = 0
 
     def fresh(self) -> str:
-        """A new name."""
         self._count += 1
         return f"%x{self._count}"
 

@@ -23,6 +23,7 @@ from jacobian.native.kinds import (
     is_abreast,
     is_number,
     meeting,
+    returned_type,
     single,
     together,
 )  # fmt: skip
@@ -187,7 +188,6 @@ class Expressions(Operators):
         return self.logical("and", *found)
 
     def related(self, op: ast.cmpop, left: Value, right: Value) -> Value:
-        """Whether the relation ``op`` holds between the values."""
         if not isinstance(op, ast.In):
             return self.compare(type(op).__name__, left, right)
         if not isinstance(right.kind, TupleKind):
@@ -383,15 +383,15 @@ class Expressions(Operators):
         """Writes the call of a compiled function, an :class:`~jacobian.native.program.Instance`; returns the scalars of
         its result.
         """
-        text = f"call {instance.returned} @{instance.name}({', '.join(operands)})"
-        count = len(instance.result.leaves)
+        returned, count = returned_type(instance.result), len(instance.result.leaves)
+        text = f"call {returned} @{instance.name}({', '.join(operands)})"
         if not count:
             self.lines.append(f"  {text}")
             return ()
         found = self.write(text)
         if count == 1:
             return (found,)
-        return tuple(self.write(f"extractvalue {instance.returned} {found}, {k}") for k in range(count))
+        return tuple(self.write(f"extractvalue {returned} {found}, {k}") for k in range(count))
 
     def expression_of(self, function: Any, arguments: list[Value]) -> ast.expr | None:
         """The expression that a function of a field's context returns, if it has no other statement; else None."""

@@ -196,7 +196,6 @@ def together(values: list[Value], named: Any = None) -> Value:
 
 
 def is_number(kind: Any) -> bool:
-    """Whether ``kind`` is the kind of a number."""
     return isinstance(kind, Kind) and kind.rank >= 0
 
 
@@ -212,3 +211,11 @@ def meeting(first: Any, second: Any) -> Any:
         named = first.named if first.named is second.named else None
         return TupleKind(tuple(map(meeting, first.items, second.items)), named)
     raise CompileError(f"{first} and {second} in one variable")
+
+
+def returned_type(kind: Any) -> str:
+    """The LLVM type of a function's result."""
+    leaves = kind.leaves
+    if len(leaves) < 2:
+        return str(leaves[0]) if leaves else "void"
+    return "{" + ", ".join(leaves) + "}"

@@ -252,7 +252,6 @@ class Operators(Code):
 
     @in_lanes
     def compare(self, name: str, x: Value, y: Value) -> Value:
-        """Whether the relation holds between the values."""
         kind = meeting(x.kind, y.kind)
         if not is_number(kind) or name not in RELATIONS:
             raise CompileError(f"{name} of {x.kind} and {y.kind}")

@@ -16,7 +16,7 @@ from jacobian.native import direct
 from jacobian.native.code import wide_functions
 from jacobian.native.kinds import NONE, WIDE, ArrayKind, CompileError, TupleKind, Value, single
 from jacobian.native.operators import DECLARED
-from jacobian.native.statements import Statements, returned_type
+from jacobian.native.statements import Statements
 
 
 class Instance(NamedTuple):
@@ -24,11 +24,6 @@ class Instance(NamedTuple):
 
     name: str
     result: Any
-
-    @property
-    def returned(self) -> str:
-        """The LLVM type of the function's result."""
-        return returned_type(self.result)
 
 
 class Program:

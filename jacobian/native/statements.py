@@ -19,6 +19,7 @@ from jacobian.native.kinds import (
     abreast,
     is_abreast,
     meeting,
+    returned_type,
 )  # fmt: skip
 from jacobian.native.operators import integer
 from jacobian.numbers.abreast import abreast as rounds_abreast
@@ -115,7 +116,6 @@ class Statements(Expressions):
         self.keep(self.cast(value, kind), self.variables[name][1])
 
     def assign(self, target: ast.expr, value: Value) -> None:
-        """Assigns a value to the target on the left of =."""
         if isinstance(target, ast.Name):
             self.assign_name(target.id, value)
         elif isinstance(target, ast.Tuple):
@@ -353,11 +353,3 @@ class Statements(Expressions):
         self.keep(self.binary("Add", self.loaded(INT, counter), step), counter)
         self.go(check)
         self.begin(end)
-
-
-def returned_type(kind: Any) -> str:
-    """The LLVM type of a function's result."""
-    leaves = kind.leaves
-    if len(leaves) < 2:
-        return str(leaves[0]) if leaves else "void"
-    return "{" + ", ".join(leaves) + "}"
