@@ -69,10 +69,10 @@ class Structure(NamedTuple):
             if coordinates is None:
                 raise NotAMultiple(f"D = {shown(D)} is no sum of multiples of the generators")
             for place, c, exponent in zip(places, coordinates, group.exponents, strict=True):
-                part, whole = prime**exponent, self.invariants[place]
-                # the generator of the ℓ-part, ℓ = prime, is whole/part times the generator of the group
+                part, d = prime**exponent, self.invariants[place]
+                # the generator of the ℓ-part, ℓ = prime, is d/part times the generator of the group
                 c = c * pow(self.exponent // power, -1, part) % part
-                found[place] = (found[place] + c * (whole // part)) % whole
+                found[place] = (found[place] + c * (d // part)) % d
         return tuple(found)
 
     def _primary(self, prime: int, zero: Divisor) -> tuple[PrimaryGroup, list[int]]:
@@ -234,13 +234,13 @@ def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGr
     return group
 
 
-def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Rng | None = None) -> Structure:
+def structure(J: GroupLaw, primes: Iterable[int] | None = None) -> Structure:
     """The invariant factors d_1 | d_2 | … of the group, at most 2g of them, and generators of these orders.
 
     ``primes``: the prime factors of #J, if known. The time grows like (√ℓ)^r for the largest prime ℓ whose Sylow
     subgroup has rank r > 1. Infeasible beyond tables of 2^21 classes, or where #J cannot be computed or factored.
     """
-    rng = Random(0) if rng is None else rng
+    rng = Random(0)
     return joined([sylow_subgroup(J, prime, rng) for prime in factorization(J.order(), primes)])
 
 
@@ -255,12 +255,11 @@ def joined(groups: list[PrimaryGroup]) -> Structure:
     return Structure(tuple(invariants[::-1]), tuple(generators[::-1]))
 
 
-def torsion(J: GroupLaw, m: int, rng: Rng | None = None) -> Structure:
+def torsion(J: GroupLaw, m: int) -> Structure:
     """The classes D with m·D = 0 over the finite field, as a group with generators; only the primes of m are used."""
     m = _check_positive(m)
-    rng = Random(0) if rng is None else rng
-    groups = []
-    for prime, exponent in factorization(gcd(J.order(), m)).items() if m > 1 else ():
+    rng, groups = Random(0), []
+    for prime in factorization(gcd(J.order(), m)) if m > 1 else ():
         group = sylow_subgroup(J, prime, rng)
         exponent = _valuation(m, prime, m.bit_length())
         pairs = zip(group.exponents, group.generators, strict=True)
