@@ -254,7 +254,7 @@ class Statements(Expressions):
         pass
 
     def all_lanes(self, what: str) -> None:
-        """Raises CompileError if only some lanes are active: they cannot leave a round, and would store the others."""
+        """Raises CompileError if only some lanes are active: all leave a round together, and a store writes all."""
         if self.mask is not None:
             raise CompileError(f"only some lanes {what}")
 
