@@ -43,14 +43,11 @@ def two_word_context(K: Any) -> TwoWords | BinaryContext:
     return two_words(K.p)
 
 
-def library_of(K: Any, equation: Any) -> Library:
-    """The compiled loops for a context K and an equation; ``Plain()`` stands for Cantor's algorithm alone."""
-    return library(K.__class__, equation.__class__)
-
-
 @cache
 def library(context: type, model: type) -> Library:
-    """The compiled loops for a class of contexts and a class of equations."""
+    """The compiled loops for a class of contexts and a class of equations; ``Plain`` stands for Cantor's algorithm
+    alone.
+    """
     short = context in (Wide64, BinaryTable, OddTable)
     item = INT if short else LONG
     head = CONTEXTS[context], record(model, *[item] * len(model._fields))  # type: ignore[attr-defined]
@@ -80,7 +77,7 @@ class WordKernel:
     def __init__(self, C: HyperellipticCurve, equation: Any = None) -> None:
         g, K = C.genus, context(C.field)
         equation = Plain() if equation is None else equation
-        run, curve = library_of(K, equation), packed_curve(C, K.to_word)
+        run, curve = library(K.__class__, equation.__class__), packed_curve(C, K.to_word)
         self._sum, self._times = (each(K, equation, curve) for each in (run.sum_in_place, run.multiple_in_place))
         # compiled calls use addresses of K and ``curve``, so both are kept alive; sums run one at a time in ``_room``
         self._pointed, self._size = (K, curve), 8 * ROWS * (4 * g + 8)
@@ -90,7 +87,6 @@ class WordKernel:
         self._structs = [Struct(f"{count}q{8 * max(0, width(g) - count)}x") for count in range(6 + 2 * (2 * g + 1) + 1)]
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
-        """The reduced triple of a + b."""
         (u1, v1, n1), (u2, v2, n2) = a, b
         count = 6 + len(u1) + len(v1) + len(u2) + len(v2)
         pack = self._structs[count].pack
@@ -99,11 +95,9 @@ class WordKernel:
         return self._unpacked(data)
 
     def double(self, a: Triple) -> Triple:
-        """The reduced triple of a + a."""
         return self.multiple(2, a)
 
     def multiple(self, m: int, a: Triple) -> Triple:
-        """The reduced triple of m·a, m > 0."""
         u, v, n = a
         data = bytearray(self._structs[3 + len(u) + len(v)].pack(len(u), len(v), n or 0, *u, *v))
         self._times(bytearray(self._size), data, *scalar(m))
@@ -128,7 +122,7 @@ class ExplicitKernel:
     """
 
     def __init__(self, C: HyperellipticCurve, K: Any, equation: Any, others: Any) -> None:
-        self._run = library_of(K, equation)
+        self._run = library(K.__class__, equation.__class__)
         self._add, self._twice = self._run.add_classes(K, equation), self._run.double_class(K, equation)
         self._K, self._others, self._genus = K, others, C.genus
         self._weight = 0 if C.model == "split" else None
@@ -136,7 +130,6 @@ class ExplicitKernel:
     # if v has g coefficients, u has degree g; classes with a shorter v go to the kernel ``others``
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
-        """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
         if len(v1) == self._genus == len(v2):
             u, v, general = self._add(u1, v1, u2, v2)
@@ -145,7 +138,6 @@ class ExplicitKernel:
         return self._others.sum_of(a, b)
 
     def double(self, a: Triple) -> Triple:
-        """The reduced triple of a + a."""
         u, v, _ = a
         if len(v) == self._genus:
             u, v, general = self._twice(u, v)
@@ -154,17 +146,7 @@ class ExplicitKernel:
         return self._others.double(a)
 
     def multiple(self, m: int, a: Triple) -> Triple:
-        """The reduced triple of m·a, m > 0."""
         return self._others.multiple(m, a)
-
-
-class LineKernel(ExplicitKernel):
-    """The kernel of a curve with a short equation over a word-size field."""
-
-    def __init__(self, C: HyperellipticCurve) -> None:
-        K = context(C.field)
-        equation = short_equation(C, K.to_word)
-        super().__init__(C, K, equation, WordKernel(C, equation))
 
 
 class TwoWordKernel(ExplicitKernel):
@@ -179,7 +161,6 @@ class TwoWordKernel(ExplicitKernel):
         self._times = self._run.multiple_of_class(K, equation)
 
     def multiple(self, m: int, a: Triple) -> Triple:
-        """The reduced triple of m·a, m > 0."""
         u, v, _ = a
         if len(v) == self._genus:
             u, v, general = self._times(u, v, *scalar(m))
@@ -188,12 +169,16 @@ class TwoWordKernel(ExplicitKernel):
         return super().multiple(m, a)
 
 
-def word_kernel(C: HyperellipticCurve) -> WordKernel | LineKernel:
+def word_kernel(C: HyperellipticCurve) -> WordKernel | ExplicitKernel:
     """The compiled kernel of a curve that is its own ``arithmetic_model``: over GF(p), 2 < p < 2^63, or TableField."""
-    return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
+    K = context(C.field)
+    equation = short_equation(C, K.to_word)
+    general = WordKernel(C, equation)
+    return general if equation is None else ExplicitKernel(C, K, equation, general)
 
 
 def is_kept(C: HyperellipticCurve, two_words: bool) -> bool:
     """Whether the compiled loops for C are on disk; ``two_words`` selects :func:`two_word_context`."""
-    K = (two_word_context if two_words else context)(C.field)
-    return library_of(K, short_equation(C, K.to_word) or Plain()).is_kept()
+    K: Any = (two_word_context if two_words else context)(C.field)
+    equation: Any = short_equation(C, K.to_word) or Plain()
+    return library(K.__class__, equation.__class__).is_kept()

@@ -21,11 +21,6 @@ from jacobian.poly import Poly, add, gcd, half_xgcd, mod, monic, mul, neg, quoti
 Triple = tuple[Poly, Poly, int | None]
 
 
-def zero(C: HyperellipticCurve) -> Triple:
-    """The identity: (1, 0), with n = ⌈g/2⌉ on a split model."""
-    return (C.field.one,), (), weight_of_zero(C)
-
-
 def weight_of_zero(C: HyperellipticCurve) -> int | None:
     """The weight n of the identity at ∞₊: ⌈g/2⌉ on a split model, None on other models."""
     return (C.genus + 1) // 2 if C.model == "split" else None

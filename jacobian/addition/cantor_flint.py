@@ -51,13 +51,11 @@ class FlintCantor:
             self.lead = self._into((C.infinity_plus,))[0]
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + b."""
         into = self._into
         u, v, n, _ = self.composed((into(a[0]), into(a[1]), a[2]), (into(b[0]), into(b[1]), b[2]))
         return self._reduced(u, v, n)
 
     def double(self, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + a."""
         u, v, n, _ = self.doubled((self._into(a[0]), self._into(a[1]), a[2]))
         return self._reduced(u, v, n)
 
@@ -106,11 +104,8 @@ class FlintCantor:
             yield line, (u, v, n)
 
     def _reduced(self, u: Any, v: Any, n: int | None) -> cantor.Triple:
-        while u.degree() > self.limit:
-            u, v, n = self._reflect(u, v, n)
-        if n is not None:
-            for _, last in self.reductions(u, v, n):
-                u, v, n = last
+        for _, last in self.reductions(u, v, n):
+            u, v, n = last
         lead = u.leading_coefficient()
         if lead != 1:
             u = u * (1 / lead)

@@ -47,7 +47,8 @@ COLD = 300_000
 BINARY_READY, BINARY_COLD = 1_000, 8_000
 """READY and COLD over GF(2^n), where additions in Python take longer."""
 SHARE = 64
-"""A group reports its additions in portions of this size. For fewer additions no compiled kernel is needed."""
+"""The number of additions after which a group adds them to the common count. So a group with fewer additions never
+switches."""
 
 Addition = Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
 Doubling = Callable[[cantor.Triple], cantor.Triple]
@@ -73,11 +74,11 @@ class Kernel(NamedTuple):
     multiple: Multiple
 
 
-def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
+def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None) -> Kernel:
     """The kernel for C, the ``arithmetic_model`` of a curve over an exact field.
 
-    Additions are counted in ``work``. When they have taken as long as the switch to the compiled kernel, ``adopt`` is
-    called with that kernel. Without ``adopt`` no compiled kernel is considered.
+    When the additions of this process have taken as long as the switch to the compiled kernel, ``adopt`` is called with
+    that kernel. Without ``adopt`` no compiled kernel is considered.
     """
     chosen = python_kernel(C)
     if cantor_flint.pays(C):
@@ -85,7 +86,7 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None,
         chosen = _with_ladder(C, on_flint.sum_of, on_flint.double)
     if adopt is None or not (is_word_sized(C) or is_two_words_long(C)):
         return chosen
-    counted = Counted(C, chosen, adopt, work)
+    counted = Counted(C, chosen, adopt)
     return Kernel(counted.sum_of, counted.double, counted.multiple)
 
 
@@ -152,31 +153,28 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
 
 
 class Counted:
-    """A kernel that counts its additions. It switches to the compiled kernel when all groups that share its ``work``
-    have done enough additions together.
+    """A kernel that counts its additions. It switches to the compiled kernel when all groups of the process have done
+    enough additions together.
     """
 
-    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None], work: Work) -> None:
-        self._curve, self._adopt, self._work = C, adopt, work
+    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None]) -> None:
+        self._curve, self._adopt = C, adopt
         self._sum_of, self._double, self._multiple = chosen
         self._left = SHARE
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + b."""
         self._left -= 1
         if self._left < 0:
             self._account()
         return self._sum_of(a, b)
 
     def double(self, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + a."""
         self._left -= 1
         if self._left < 0:
             self._account()
         return self._double(a)
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of m·a, m > 0."""
         # a multiple takes a doubling for each bit of m and an addition for every fifth bit
         self._left -= m.bit_length() * 6 // 5
         if self._left < 0:
@@ -184,30 +182,26 @@ class Counted:
         return self._multiple(m, a)
 
     def _account(self) -> None:
-        self._work.additions += SHARE - self._left
+        PROCESS.additions += SHARE - self._left
         self._left = SHARE
         ready, cold = costs(self._curve)
-        if self._work.additions < ready:
+        if PROCESS.additions < ready:
             return
         try:
             if interpreted():
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
-            chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_kept(self._curve) else None
+            from jacobian.addition.calls import is_kept
+
+            worth = PROCESS.additions >= cold or is_kept(self._curve, is_two_words_long(self._curve))
+            chosen = compiled_kernel(self._curve) if worth else None
         except (ImportError, RuntimeError) as error:
             # the user did not ask for compilation, so without llvmlite the Python kernel is kept
-            self._work.additions = -math.inf
+            PROCESS.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)
             return
         if chosen is not None:
             self._sum_of, self._double, self._multiple = chosen
             self._adopt(chosen)
-
-
-def _is_kept(C: HyperellipticCurve) -> bool:
-    """Whether the compiled kernels are on disk."""
-    from jacobian.addition import calls
-
-    return calls.is_kept(C, is_two_words_long(C))
 
 
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
@@ -216,8 +210,6 @@ def costs(C: HyperellipticCurve) -> tuple[int, int]:
 
 
 # --- an explanation of the choice
-
-WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 
 
 def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
@@ -247,7 +239,7 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
             f"compiled code on two words, for genus {C.genus} over {fields}: explicit formulas, and the kernel in "
             "Python in special positions"
         )
-    return f"compiled code, for {WORDS}: {_compiled(C)}"
+    return f"compiled code, for GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements: {_compiled(C)}"
 
 
 def _compiled(C: HyperellipticCurve) -> str:

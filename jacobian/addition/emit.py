@@ -53,7 +53,6 @@ class OnInts:
         return f"{text if binds else f'({text})'} % p", PRODUCT
 
     def inverse(self, x: str) -> str:
-        """The text of 1/x."""
         return f"pow({x}, -1, p)"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
@@ -78,7 +77,6 @@ class OnElements:
         return found
 
     def inverse(self, x: str) -> str:
-        """The text of 1/x."""
         return f"inv({x})"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:

@@ -62,7 +62,7 @@ class Writer:
                 self.names[i] = self._written(i)
 
     def _repeated(self, results: Sequence[int]) -> Iterable[int]:
-        """Yields the products that are recomputed in every sum that uses them, since each such sum has room for it."""
+        """Yields the products to be computed anew in every sum that uses them, which costs no further reduction."""
         parts = {i: self._parts(i) for i in self.live if i in self.named}
         for i in self.named.difference(self.factors, results):
             sums = [products for products, others in parts.values() if i in others]
@@ -89,7 +89,7 @@ class Writer:
         return products, others
 
     def _written(self, i: int) -> str:
-        """Writes the lines that compute operation i, unless they exist; returns the name of its result."""
+        """Writes the lines that compute operation i; returns the name of its result."""
         name, *operands = self.tape.operations[i]
         if name == "input":
             return str(operands[0])
@@ -98,7 +98,7 @@ class Writer:
             return "K.one"
         products, others = self.parts[i]
         signs = sum(sign for sign, _, _ in products)
-        # subtracting a reduced sum of products costs as much as adding it
+        # a sum of products most of which are negative is computed with opposite signs and subtracted
         turned = signs < 0 and (any(count > 0 for count in others.values()) or len(products) == -signs)
         dots = self._dots([(-sign if turned else sign, x, y) for sign, x, y in products])
         rest = [self.names[x] for x in others.elements()], [self.names[x] for x in (-others).elements()]

@@ -65,7 +65,6 @@ class ExplicitFormulas:
         self.sum_of, self.double = (MethodType(function, self) for function in functions)
 
     def text(self) -> str:
-        """The text of the code that adds and doubles."""
         return text_of(self.formulas, self.known, self.style)
 
 
@@ -93,11 +92,9 @@ class GmpFormulas:
         )
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + b."""
         return _on_ints(self._sum_of(a, b))
 
     def double(self, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + a."""
         return _on_ints(self._double(a))
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:

@@ -44,7 +44,6 @@ class Tape:
         return Term(self, self._places[key])
 
     def operands(self, index: int) -> tuple[int, ...]:
-        """The indices of the operands of an operation."""
         operation = self.operations[index]
         return () if operation[0] in ("input", "one") else operation[1:]
 
@@ -76,7 +75,10 @@ class Term:
 
     def __add__(self, other: Any) -> Any:
         if isinstance(other, int):
-            return self if self._known(other) == 0 else self + self._one(other)
+            if self._known(other) == 0:
+                return self
+            one = self.tape.term("one")
+            return self + one if other == 1 else self - one
         if other._negated() is not None:
             return self - other._negated()
         if self._negated() is not None:
@@ -131,10 +133,6 @@ class Term:
         if number not in (-1, 0, 1):
             raise ArgumentError(f"number = {written(number)}: formulas have 0, 1 and -1 as known numbers")
         return number
-
-    def _one(self, number: int) -> Any:
-        one = self.tape.term("one")
-        return one if number == 1 else -one
 
     def _negated(self) -> Any:
         """The term x if this term is −x, else None."""
@@ -201,5 +199,4 @@ class Formulas(NamedTuple):
 
 @cache
 def parameters(step: Callable[..., Any]) -> tuple[str, ...]:
-    """The names of a step's parameters."""
     return tuple(name for name in signature(step).parameters if name != "self")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.errors import ArgumentError, FieldError, shown, whole, written
+from jacobian.errors import ArgumentError, FieldError, shown, written
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.group import Jacobian
@@ -22,11 +22,6 @@ def check_group(J: Any) -> Jacobian:
     if type(J) is not Jacobian:
         raise ArgumentError(f"J = {shown(J)}: a Jacobian is needed, such as C.jacobian()")
     return J
-
-
-def check_count(count: Any) -> int:
-    """``count`` as an int; raises ArgumentError unless 0 ≤ count ≤ MOST_ROWS."""
-    return whole(count, "count", f"an int ≥ 0, the number of rows, {MOST_ROWS} at most", 0, MOST_ROWS)
 
 
 def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:

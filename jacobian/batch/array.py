@@ -8,7 +8,7 @@ from typing import Any, Generic, Literal, SupportsIndex, overload
 import numpy as np
 
 from jacobian.addition.choice import has_two_word_rows, is_word_sized
-from jacobian.batch.arguments import MOST_ROWS, check_count, check_group, degrees, elements, weights
+from jacobian.batch.arguments import MOST_ROWS, check_group, degrees, elements, weights
 from jacobian.element import Element, Rng
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole, written
 from jacobian.fields import CC, RR
@@ -19,9 +19,6 @@ from jacobian.numbers.compiler import interpreted
 
 Matrix = np.ndarray[tuple[int, int], np.dtype[Any]]
 Vector = np.ndarray[tuple[int], np.dtype[Any]]
-
-OK = 0
-"""The status of a row that holds a class."""
 
 
 def engine(J: Jacobian) -> Any:
@@ -115,7 +112,8 @@ class DivisorArray(Immutable, Generic[Element]):
     @classmethod
     def zeros(cls, J: Jacobian[Element], count: int) -> DivisorArray[Element]:
         """An array of ``count`` rows, all of them the identity."""
-        return cls(J, engine(check_group(J)).zero(check_count(count)))
+        count = whole(count, "count", f"an int ≥ 0, the number of rows, {MOST_ROWS} at most", 0, MOST_ROWS)
+        return cls(J, engine(check_group(J)).zero(count))
 
     @classmethod
     def from_arrays(
@@ -189,7 +187,7 @@ class DivisorArray(Immutable, Generic[Element]):
         split model, which inexact divisors cannot represent.
         """
         of_rows = getattr(self._engine, "status", None)
-        return of_rows(self._rows) if of_rows else np.full(len(self), OK, np.uint8)
+        return of_rows(self._rows) if of_rows else np.zeros(len(self), np.uint8)
 
     def to_list(self) -> list[Divisor[Element]]:
         """The rows as Divisors."""

@@ -41,12 +41,10 @@ def keep(S: Any, at: Any, j: Any, found: Any) -> None:
 
 
 def three(S: Any, at: Any, j: Any) -> Any:
-    """The three numbers of row j that the scratch array stores from offset ``at`` on."""
     return S[at + j], S[at + BLOCK + j], S[at + 2 * BLOCK + j]
 
 
 def four(S: Any, at: Any, j: Any) -> Any:
-    """The four numbers of row j that the scratch array stores from offset ``at`` on."""
     return S[at + j], S[at + BLOCK + j], S[at + 2 * BLOCK + j], S[at + 3 * BLOCK + j]
 
 

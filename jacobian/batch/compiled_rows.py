@@ -46,8 +46,7 @@ class CompiledRows(StoredRows):
         else:
             own = word_context(K.p)
             self.word_dtype = np.int32 if own.bits == 32 else np.int64
-            # canonical words are valid in a wide context too, so loops other than sums are compiled for that context
-            # only
+            # only sums gain from the spare bits of small primes: all other loops are compiled once, for Wide contexts
             words = (Wide32 if own.bits == 32 else Wide64)(*own)
         self.dtype = np.float64 if self.floats else self.word_dtype
         if self.floats:
@@ -59,23 +58,20 @@ class CompiledRows(StoredRows):
         self._cantor_loops = libraries.cantor(self.kind)
 
     def numbers_in_words(self, elements: Sequence[Any]) -> Any:
-        """The words that represent field elements, as an int64 array."""
         return np.array([self.words.to_word(c) for c in elements], np.int64)
 
     def encoded(self, elements: Any) -> Any:
-        """The words that represent field elements, given as ints."""
         words = np.empty(elements.shape, self.word_dtype)
         self._run.encode_rows(self._packed_words, elements, words)
         return words
 
     def decoded(self, words: Any) -> Any:
-        """The field elements, as ints, that words represent."""
         elements = np.empty(words.shape, np.int64)
         self._run.decode_rows(self._packed_words, words, elements)
         return elements
 
     def bits(self, words: Any) -> Any:
-        """The array of words, or of the bits of floats, for loops that only copy numbers."""
+        """The array of words, floats viewed as integers, for loops that only copy numbers."""
         return words.view(np.int64) if self.floats else words
 
     def of_memory(self, words: Any) -> Any:

@@ -22,23 +22,20 @@ class Equation:
         K, g = C.field, C.genus
         self.scale = K.one
         if K.characteristic == 2:
-            self.curve = C.arithmetic_model
-            move = () if self.curve is C else poly.monomial(K, K.neg(C.infinity_plus), g + 1)
-            self.curve = self._monic(self.curve)
+            moved = C.arithmetic_model
+            move = () if moved is C else poly.monomial(K, K.neg(C.infinity_plus), g + 1)
         else:
             move = poly.scale(K, K.inv(K.add(K.one, K.one)), C.h)
-            self.curve = self._completed(C, move)
+            moved = self._completed(C, move) if C.h else C
+        self.curve = self._monic(moved)
         self.shift = [coefficient(K, move, i) for i in range(g + 2)]
 
     def _completed(self, C: HyperellipticCurve, half_h: poly.Poly) -> HyperellipticCurve:
-        """The curve y² = f + h²/4, scaled to a monic right side if its degree is 5 in genus 2 or 7 in genus 3."""
-        K: Any = C.field
-        g = C.genus
-        if C.model == "split":
-            f = poly.add(K, C.f, poly.mul(K, half_h, half_h))
-            return HyperellipticCurve(K, f, (), K.add(C.infinity_plus, coefficient(K, half_h, g + 1))) if C.h else C
-        completed = HyperellipticCurve(K, poly.add(K, C.f, poly.mul(K, half_h, half_h))) if C.h else C
-        return self._monic(completed)
+        """The curve y² = f + h²/4."""
+        K = C.field
+        f = poly.add(K, C.f, poly.mul(K, half_h, half_h))
+        plus = K.add(C.infinity_plus, coefficient(K, half_h, C.genus + 1)) if C.model == "split" else None
+        return HyperellipticCurve(K, f, (), plus)
 
     def _monic(self, C: HyperellipticCurve) -> HyperellipticCurve:
         """C, scaled to a monic f if deg f = 5 in genus 2 or 7 in genus 3; sets ``scale``."""

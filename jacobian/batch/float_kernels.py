@@ -24,9 +24,9 @@ NOISE = 2.0**-40
 GIVEN_NOISE = 2.0**-32
 # summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
-# a sum has a point far out or at infinity in two cases. In genus2_real (deg f = 5, floats) |l1| is below
-# FLATTEST_CHORD. In genus2_complex, where the largest of q, l1 and l0 is about 1, the leading coefficient of p² − q²f
-# is below FLATTEST
+# a sum has a point far out or at infinity if p² − q²f, whose roots are the abscissae of the summands and of the sum,
+# has a small leading coefficient: l1² in genus2_real, where |l1| must exceed FLATTEST_CHORD. In genus2_complex the
+# coefficient itself must exceed FLATTEST. In both, p = q·V + L·U, and the largest coefficient of q and L is about 1
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
 # f at the smallest abscissa of the summands, and its leading term at the largest one, must be at least this fraction of
@@ -112,7 +112,7 @@ def added(f: Any, first: Any, second: Any) -> Any:
 
 
 def steep(f: Any, size: Any) -> Any:
-    """Whether the degree of a sum has not dropped, from the second value of :func:`added`."""
+    """Whether a sum has degree 2, from the second value of :func:`added`."""
     if len(f) == 6:
         return extent(size) > FLATTEST_CHORD
     return extent(size) > FLATTEST

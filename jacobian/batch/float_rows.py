@@ -7,7 +7,7 @@ the row of this sum is lost; the other rows stay valid.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,7 +53,9 @@ def _rows(data: Any, kind: Any) -> Rows:
 
 
 class FloatRows:
-    """The operations on rows of one Jacobian, with the methods of :class:`jacobian.batch.object_rows.ObjectRows`."""
+    """The operations on rows of one Jacobian, with the methods of
+    :class:`~jacobian.batch.stored_rows.StoredRows`, which describes them.
+    """
 
     compiled = False
 
@@ -67,12 +69,10 @@ class FloatRows:
     # --- storage
 
     def take(self, x: Rows, index: Any) -> Rows:
-        """The rows that ``index`` selects: a slice, a mask or an array of ints."""
         data = np.ascontiguousarray(x.data[:, index])
         return Rows(data, None, data.shape[1]) if x.kind is None else _rows(data, x.kind[index].copy())
 
     def join(self, parts: Sequence[Rows]) -> Rows:
-        """The rows of all parts, concatenated."""
         parts = [self.zero(0), *parts]
         return _rows(np.concatenate([x.data for x in parts], axis=1), np.concatenate([x.kinds for x in parts]))
 
@@ -86,7 +86,6 @@ class FloatRows:
         return (kinds == y.kinds) & (kinds < LOST) & np.all(x.data == y.data, axis=0)
 
     def zero(self, count: int) -> Rows:
-        """``count`` rows of the identity."""
         return Rows(np.zeros((4, count), self.sums.dtype), np.full(count, self._zero, np.uint8), count)
 
     # --- conversion
@@ -110,7 +109,6 @@ class FloatRows:
         return u, np.ascontiguousarray(x.data[2:].T)
 
     def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
-        """The rows that hold the given Divisors of this Jacobian."""
         if not divisors:
             return self.zero(0)
         data = np.array([_column(D) for D in divisors], self.sums.dtype).T
@@ -135,7 +133,6 @@ class FloatRows:
         return Divisor(self.jacobian, (*column[:k], self.jacobian.field.one), tuple(column[2 : 2 + k]), weight)
 
     def weights(self, x: Rows) -> Any:
-        """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
         return WEIGHTS[x.kinds] if self._weighted else None
 
     def status(self, x: Rows) -> Any:
@@ -143,7 +140,6 @@ class FloatRows:
         return STATUS[x.kinds]
 
     def first_off_curve(self, x: Rows) -> int:
-        """The index of the first row that is not on the curve, or −1."""
         kinds = x.kinds
         full = np.flatnonzero(kinds == PAIR)
         found = self.sums.first_off_curve(np.ascontiguousarray(x.data[:, full]))
@@ -160,7 +156,6 @@ class FloatRows:
     # --- the group law
 
     def add(self, x: Rows, y: Rows) -> Rows:
-        """The rows x_i + y_i."""
         data, special = self.sums.add(x.data, y.data)
         if x.kind is None and y.kind is None and not special.any():
             return Rows(data, None, len(x))
@@ -176,23 +171,11 @@ class FloatRows:
             data[:, same], kind[same] = summand[:, same], summand_kind[same]
             special &= ~same
         for i in np.flatnonzero(special).tolist():
-            data[:, i], kind[i] = self._single(
-                *(self._divisor(a[:, i].tolist(), k[i]) for a, k in zip((x.data, columns), kinds, strict=True))
-            )
+            D, E = (self._divisor(a[:, i].tolist(), k[i]) for a, k in zip((x.data, columns), kinds, strict=True))
+            data[:, i], kind[i] = _result(self.jacobian.add, D, E)
         return _rows(data, kind)
 
-    def _single(self, D: Divisor, E: Divisor) -> tuple[list[Any], int]:
-        """The column and the kind of D + E, added by the Jacobian."""
-        try:
-            total = self.jacobian.add(D, E)
-        except PrecisionLoss:
-            return [0] * 4, LOST
-        except NotRepresentable:
-            return [0] * 4, AT_INFINITY
-        return _column(total), _kind(total)
-
     def double(self, x: Rows) -> Rows:
-        """The rows 2x_i."""
         return self.add(x, x)
 
     def negate(self, x: Rows) -> Rows:
@@ -209,17 +192,11 @@ class FloatRows:
         source = np.broadcast_to(x.data, data.shape)
         kind = x.kind.copy()
         for i in low[kind[low] < LOST].tolist():
-            try:
-                D = self.jacobian.negate(self._divisor(source[:, i].tolist(), kind[i]))
-            except NotRepresentable:
-                data[:, i], kind[i] = 0, AT_INFINITY
-            else:
-                data[:, i], kind[i] = _column(D), _kind(D)
+            data[:, i], kind[i] = _result(self.jacobian.negate, self._divisor(source[:, i].tolist(), kind[i]))
         data[:, kind >= LOST] = 0
         return Rows(data, kind, len(x))
 
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
-        """The rows m·x_i for one int m, or m_i·x_i for a sequence of ints."""
         nothing = self.zero(len(x))
         # 0·x has no class if x has none
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
@@ -245,3 +222,14 @@ def _column(D: Divisor) -> list[Any]:
 
 def _kind(D: Divisor) -> int:
     return int(FIRST[len(D.u) - 1]) + (D.n or 0)
+
+
+def _result(operation: Callable[..., Divisor], *operands: Divisor) -> tuple[list[Any], int]:
+    """The column and the kind of the result of an operation of the Jacobian."""
+    try:
+        found = operation(*operands)
+    except PrecisionLoss:
+        return [0] * 4, LOST
+    except NotRepresentable:
+        return [0] * 4, AT_INFINITY
+    return _column(found), _kind(found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -26,16 +27,6 @@ IN_LANES = (words.Lazy32, words.Wide32, words.Double)
 BYTES, SPAN = ArrayKind(INT, stored="uint8"), TupleKind((INT, INT))
 
 
-def long_form(kind: ArrayKind, axes: int) -> ArrayKind:
-    """The kind of arrays of numbers, of one or two full words each, with the given number of axes."""
-    return ArrayKind(kind.item, axes, kind.parts)
-
-
-def with_axes(kind: ArrayKind, axes: int) -> ArrayKind:
-    """The kind of arrays of numbers as rows store them, with the given number of axes."""
-    return ArrayKind(kind.item, axes, kind.parts, kind.stored)
-
-
 def equation(context: Any, model: Any) -> TupleKind:
     """The kind of a short equation, the coefficients that the explicit formulas use."""
     return record(model, *[NUMBERS[context].item] * len(model._fields))
@@ -50,7 +41,7 @@ def room_of_sums(context: Any) -> TupleKind:
 def sums(context: Any, model: Any) -> Library:
     """The library of additions and doublings by explicit formulas, for a class of contexts and a class of equations."""
     flat, C = NUMBERS[context], equation(context, model)
-    rows = with_axes(flat, 2)
+    rows = replace(flat, ndim=2)
     first = TupleKind((rows, BYTES))
     entries = {
         "add_rows": (block_loops.add_rows, (CONTEXTS[context], C, first, first, rows, SPAN, room_of_sums(context))),
@@ -63,8 +54,9 @@ def sums(context: Any, model: Any) -> Library:
 @cache
 def conversions(context: Any) -> Library:
     """The library of conversions, changes of equation, negation and selection, for a class of contexts."""
-    flat = NUMBERS[context]
-    K, rows, numbers, R = CONTEXTS[context], with_axes(flat, 2), long_form(flat, 1), long_form(flat, 2)
+    K, flat = CONTEXTS[context], NUMBERS[context]
+    # rows are stored in short integers where these suffice, other numbers in full words
+    rows, numbers, R = replace(flat, ndim=2), replace(flat, stored=""), replace(flat, ndim=2, stored="")
     entries = {
         "encode_rows": (K, R, rows),
         "decode_rows": (K, rows, R),
@@ -73,7 +65,7 @@ def conversions(context: Any) -> Library:
         "first_off_curve": (K, TupleKind((numbers, numbers)), rows, BYTES, R),
         "negate_rows": (K, numbers, TupleKind((rows, BYTES)), rows, SPAN, R),
         "select_rows": (
-            TupleKind((with_axes(flat, 3), with_axes(BYTES, 2), with_axes(BYTES, 2))),
+            TupleKind((replace(flat, ndim=3), replace(BYTES, ndim=2), replace(BYTES, ndim=2))),
             INTS,
             TupleKind((rows, BYTES, BYTES)),
         ),
@@ -84,7 +76,7 @@ def conversions(context: Any) -> Library:
 @cache
 def cantor(context: Any) -> Library:
     """The library of Cantor's algorithm on rows, for a class of contexts."""
-    rows, table = TupleKind((with_axes(NUMBERS[context], 2), BYTES, BYTES)), ArrayKind(INT, 2)
+    rows, table = TupleKind((replace(NUMBERS[context], ndim=2), BYTES, BYTES)), ArrayKind(INT, 2)
     room = record(row_loops.Room, table, INTS, INTS)
     counts = {"cantor_add": 2, "cantor_double": 1, "cantor_negate": 1}
     entries = {
@@ -96,13 +88,13 @@ def cantor(context: Any) -> Library:
 @cache
 def points(context: Any) -> Library:
     """The library of random points and the classes through them, for a class of contexts."""
-    K, item = CONTEXTS[context], NUMBERS[context].item
-    flat, table = long_form(NUMBERS[context], 1), long_form(NUMBERS[context], 2)
+    K, flat = CONTEXTS[context], replace(NUMBERS[context], stored="")
+    table = replace(flat, ndim=2)
     differences = record(random_loops.Differences, flat, flat)
     entries: dict[str, tuple[Any, ...]] = {"through_points": (K, TupleKind((table, table)), table, BYTES, differences)}
     if context not in (tables.BinaryTable, tables.OddTable):
         chains = record(random_loops.Powers, flat, flat, table)
-        roots = TupleKind((INTS, item, INT))
+        roots = TupleKind((INTS, flat.item, INT))
         entries["lift"] = K, flat, roots, flat, flat, BYTES, BYTES, chains
     return _library("points", context, random_loops, entries)
 

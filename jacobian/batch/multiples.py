@@ -1,4 +1,4 @@
-"""Multiples of rows. A ladder runs on a few thousand rows at once, on one thread.
+"""Multiples of rows, each by a scalar of its own: a ladder on a few thousand rows at once, on one thread.
 
 ``run`` is a :class:`jacobian.batch.stored_rows.StoredRows`, whose ``add_here``, ``double_here`` and ``negate_here``
 are the group law on the calling thread.
@@ -10,13 +10,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-
-from jacobian.addition.ladder import multiple
-
-
-def multiply_by_one(run: Any, x: Any, m: int) -> Any:
-    """The rows m·x_i."""
-    return multiple(m, x, run.add_here, run.double_here, run.negate_here, run.zero(len(x)))
 
 
 def multiply_by_each(run: Any, x: Any, scalars: Sequence[int]) -> Any:

@@ -24,7 +24,9 @@ def _filled(divisors: Sequence[Divisor]) -> Rows:
 
 
 class ObjectRows:
-    """The operations on rows of one Jacobian, with the methods of :class:`jacobian.batch.stored_rows.StoredRows`."""
+    """The operations on rows of one Jacobian, with the methods of
+    :class:`~jacobian.batch.stored_rows.StoredRows`, which describes them.
+    """
 
     compiled = False
 
@@ -32,27 +34,21 @@ class ObjectRows:
         self.jacobian, self._dtype = J, dtype
 
     def take(self, x: Rows, index: Any) -> Rows:
-        """The rows that ``index`` selects: a slice, a mask or an array of ints."""
         return x[index].copy()
 
     def join(self, parts: Sequence[Rows]) -> Rows:
-        """The rows of all parts, concatenated."""
         return np.concatenate([np.empty(0, object), *parts])
 
     def repeat(self, x: Rows, count: int) -> Rows:
-        """The row x ``count`` times."""
         return np.repeat(x, count)
 
     def equal(self, x: Rows, y: Rows) -> Any:
-        """Whether the rows of x and y are equal, (N,)."""
         return np.array([D == E for D, E in zip(x, y, strict=True)], bool)
 
     def zero(self, count: int) -> Rows:
-        """``count`` rows of the identity."""
         return _filled([self.jacobian.zero()] * count)
 
     def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
-        """Rows from field elements: u (N, g + 1), each monic in its own degree, v (N, g), and n (N,) or None."""
         zero = self.jacobian.field.zero
         rows = []
         for i, (a, b) in enumerate(zip(u.tolist(), v.tolist(), strict=True)):
@@ -62,7 +58,6 @@ class ObjectRows:
         return _filled(rows)
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
-        """The coefficients (u, v) as field elements, of shapes (N, g + 1) and (N, g)."""
         g = self.jacobian.curve.genus
         arrays: tuple[np.ndarray, np.ndarray] = (
             np.full((len(x), g + 1), self.jacobian.field.zero, self._dtype),
@@ -74,15 +69,12 @@ class ObjectRows:
         return arrays
 
     def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
-        """The rows that hold the given Divisors of this Jacobian."""
         return _filled(divisors)
 
     def to_divisors(self, x: Rows) -> list[Divisor]:
-        """The rows as Divisors."""
         return list(x)
 
     def weights(self, x: Rows) -> Any:
-        """The weight n at ∞₊ of each row, (N,); None where divisors have no such weight."""
         return np.array([D.n for D in x], np.int64) if self.jacobian.curve.model == "split" else None
 
     def first_off_curve(self, x: Rows) -> int:
@@ -90,18 +82,14 @@ class ObjectRows:
         return -1
 
     def add(self, x: Rows, y: Rows) -> Rows:
-        """The rows x_i + y_i."""
         return _filled([self.jacobian.add(D, E) for D, E in zip(x, y, strict=True)])
 
     def double(self, x: Rows) -> Rows:
-        """The rows 2x_i."""
         return _filled([self.jacobian.double(D) for D in x])
 
     def negate(self, x: Rows) -> Rows:
-        """The rows −x_i."""
         return _filled([self.jacobian.negate(D) for D in x])
 
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
-        """The rows m·x_i for one int m, or m_i·x_i for a sequence of ints."""
         each = [scalars] * len(x) if isinstance(scalars, int) else scalars
         return _filled([self.jacobian.multiply(m, D) for m, D in zip(each, x, strict=True)])

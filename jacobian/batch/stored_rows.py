@@ -15,10 +15,11 @@ import numpy as np
 
 from jacobian import poly
 from jacobian.addition.cantor import Triple
+from jacobian.addition.ladder import multiple
 from jacobian.batch import libraries
 from jacobian.batch.block_loops import SCRATCH
 from jacobian.batch.equation import Equation
-from jacobian.batch.multiples import multiply_by_each, multiply_by_one
+from jacobian.batch.multiples import multiply_by_each
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 from jacobian.native.library import Packed
@@ -85,7 +86,9 @@ class StoredRows:
     # --- methods that depend on the kind of words
 
     def view(self, words: Any) -> Any:
-        """An array of words in the form that loops take: a view of the same memory."""
+        """An array of words in the form that loops take: a view of the same memory, as pairs of ints for numbers of two
+        words.
+        """
         return words
 
     def bits(self, words: Any) -> Any:
@@ -239,13 +242,10 @@ class StoredRows:
         """The rows as triples (u, v, n) on the equation on which rows are added."""
         columns = self.decoded(self._in_words(x).data).T.tolist()
         weights = x.weight.tolist() if self.split else [None] * len(x)
-        found = []
-        for column, degree, n in zip(columns, x.degree.tolist(), weights, strict=True):
-            v = column[self.genus :]
-            while v and not v[-1]:
-                v.pop()
-            found.append(((*column[:degree], 1), tuple(v), n))
-        return found
+        return [
+            ((*column[:degree], 1), poly.trim(self.field, column[self.genus :]), n)
+            for column, degree, n in zip(columns, x.degree.tolist(), weights, strict=True)
+        ]
 
     def of_triples(self, triples: Sequence[Triple]) -> Rows:
         """The rows that hold triples (u, v, n) on the equation on which rows are added."""
@@ -269,11 +269,13 @@ class StoredRows:
         """The rows −x_i."""
         return self._on_threads(len(x), lambda begin, end, out: self._negate(x, out, begin, end))
 
-    def _sum(self, operands: Sequence[Rows], out: Rows, begin: int, end: int) -> None:
-        """Writes the sums of two operands, or the double of one, to the rows of ``out`` from begin to end."""
+    def _sum(self, operands: Sequence[Rows], out: Rows, begin: int, end: int) -> Rows:
+        """Writes the sums of two operands, or the double of one, to the rows of ``out`` from begin to end; returns
+        ``out``.
+        """
         if self.formulas is None:
             self._add_special(operands, out, np.arange(begin, end))
-            return
+            return out
         out.degree[begin:end] = self.genus
         loop = self._sums.add_rows if len(operands) == 2 else self._sums.double_rows
         arrays = [(self.view(x.data), x.degree) for x in operands]
@@ -281,6 +283,7 @@ class StoredRows:
         count = loop(*self._constants, *arrays, self.view(out.data), (begin, end), room)
         if count:
             self._add_special(operands, out, room[0][:count].copy())
+        return out
 
     def _room_of_sums(self) -> Packed:
         """The calling thread's memory for sums, made once and used for one sum after the other."""
@@ -309,7 +312,7 @@ class StoredRows:
         self._run.select_rows((self.bits(data), *others), choice, (self.bits(x), *rest))
         return out
 
-    def _on_threads(self, count: int, work: Callable[[int, int, Rows], None]) -> Rows:
+    def _on_threads(self, count: int, work: Callable[[int, int, Rows], Any]) -> Rows:
         out = self.empty(count)
         in_ranges(count, self.step, lambda begin, end: work(begin, end, out))
         return out
@@ -322,22 +325,19 @@ class StoredRows:
         def work(begin: int, end: int) -> Rows:
             part = self.take(x, slice(begin, end))
             if isinstance(scalars, int):
-                return multiply_by_one(self, part, scalars)
+                zero = self.zero(len(part))
+                return multiple(scalars, part, self.add_here, self.double_here, self.negate_here, zero)
             return multiply_by_each(self, part, scalars[begin:end])
 
         return self.join([self.empty(0), *in_ranges(len(x), LADDER, work)])
 
     def add_here(self, x: Rows, y: Rows) -> Rows:
         """The rows x_i + y_i, computed on the calling thread."""
-        out = self.empty(len(x))
-        self._sum((x, y), out, 0, len(x))
-        return out
+        return self._sum((x, y), self.empty(len(x)), 0, len(x))
 
     def double_here(self, x: Rows) -> Rows:
         """The rows 2x_i, computed on the calling thread."""
-        out = self.empty(len(x))
-        self._sum((x,), out, 0, len(x))
-        return out
+        return self._sum((x,), self.empty(len(x)), 0, len(x))
 
     def negate_here(self, x: Rows) -> Rows:
         """The rows −x_i, computed on the calling thread."""

@@ -20,8 +20,7 @@ import numpy as np
 from jacobian import poly
 from jacobian.batch import float_kernels
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import ArgumentError
-from jacobian.fields import CC, RR
+from jacobian.fields import RR
 from jacobian.native.kinds import COMPLEX, FLOAT, INT, ArrayKind, TupleKind
 from jacobian.native.library import Library
 from jacobian.numbers.compiler import interpreted
@@ -55,15 +54,10 @@ def library(is_complex: bool, size: int) -> Library:
 class FloatSums:
     """Addition on y² + h(x)y = f(x) of genus 2 over RR or CC, on columns (u₀, u₁, v₀, v₁) of shape (4, N).
 
-    ``dtype`` is the dtype of the columns. Any other curve raises ArgumentError, and so does a ramified equation of
-    degree 6.
+    The curve is its own ``arithmetic_model``: if ramified, of degree 5. ``dtype`` is the dtype of the columns.
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
-        if curve.genus != 2 or curve.field not in (RR, CC) or curve.arithmetic_model is not curve:
-            raise ArgumentError(
-                f"curve = {curve!r}: compiled sums need genus 2 over RR or CC, and a ramified model of deg f = 5"
-            )
         K = curve.field
         real_quintic = K == RR and curve.model == "ramified"
         half = tuple(c / 2 for c in curve.h)
@@ -85,10 +79,6 @@ class FloatSums:
 
         Columns marked in ``doubtful`` must not be used. All divisors have weight 2.
         """
-        if first.ndim != 2 or len(first) != 4 or second.shape not in (first.shape, (4, 1)):
-            raise ArgumentError(
-                f"first and second of shapes {first.shape} and {second.shape}: (4, N) both, or (4, 1) the second"
-            )
         out, doubtful = np.empty(first.shape, self.dtype), np.empty(first.shape[1], dtype=np.bool_)
         arrays = [self._view(x) for x in (first, second, out)]
 

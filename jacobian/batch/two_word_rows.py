@@ -49,13 +49,11 @@ class TwoWordRows(StoredRows):
         return pairs(words_of([self.words.to_word(c) for c in elements]))
 
     def encoded(self, elements: Any) -> Any:
-        """The words that represent field elements, given as ints."""
         found = words_of(elements).copy()
         self._run.encode_rows(self._packed_words, pairs(found), pairs(found))
         return found
 
     def decoded(self, words: Any) -> Any:
-        """The field elements, as ints, that words represent."""
         found = words.copy()
         self._run.decode_rows(self._packed_words, pairs(found), pairs(found))
         return numbers_of(found)

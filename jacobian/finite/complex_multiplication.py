@@ -7,6 +7,8 @@ and α_t is its conjugate by ζ → ζ^(1/t) (Stickelberger; Shimura and Taniyam
 absolute value 1 are ±ζ^i. So π is one of 2ℓ known elements; lattice reduction finds α (Buhler and Koblitz 1998). Random
 classes decide which one it is: the value of the right characteristic polynomial at 1 annihilates every class. So a
 candidate that remains alone is proven.
+
+An element of Z[ζ] is a polynomial in ζ of degree below ℓ − 1, python-flint's ``fmpz_poly``.
 """
 
 from __future__ import annotations
@@ -21,10 +23,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import shown
 from jacobian.fields.prime import PrimeField
 from jacobian.finite.elimination import alone
-from jacobian.finite.weil import leading
 
-Element = tuple[int, ...]
-"""The coefficients c_i of an element Σ c_i ζ^i, i < ℓ. They are not unique."""
 DEGREES = (5, 7)
 
 
@@ -49,64 +48,44 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
 
 
 def _candidates(p: int, degree: int) -> Iterator[list[int]]:
+    """The characteristic polynomials of the 2ℓ possible π."""
+    from flint import fmpz_poly
+
+    cyclotomic, x = fmpz_poly([1] * degree), fmpz_poly([0, 1])
     alpha = _generator(p, degree)
-    pi: Element = (1, *[0] * (degree - 1))
+    pi = fmpz_poly([1])
     for t in range(1, (degree + 1) // 2):
-        pi = _times(pi, _conjugate(alpha, pow(t, -1, degree)))
-    for i in range(degree):
-        turned = _times(pi, tuple(int(j == i) for j in range(degree)))
-        chi = _characteristic_polynomial(turned)
+        # α_t is α at ζ^(1/t)
+        pi = pi * alpha(x ** pow(t, -1, degree)) % cyclotomic
+    for _ in range(degree):
+        pi = pi * x % cyclotomic
+        chi = [int(c) for c in _multiplication(pi, degree).charpoly()]
         yield chi
         yield [c * (-1) ** k for k, c in enumerate(chi)]
 
 
-def _generator(p: int, degree: int) -> Element:
+def _generator(p: int, degree: int) -> Any:
     """An element of Z[ζ] of norm p, for p ≡ 1 modulo ℓ, from short vectors in the lattice of a prime ideal over p."""
-    from flint import fmpz_mat
+    from flint import fmpz_mat, fmpz_poly
 
     root = next(r for r in (pow(a, (p - 1) // degree, p) for a in range(2, p)) if r != 1)
     size = degree - 1
     rows = [[p, *[0] * (size - 1)]]
     rows += [[-pow(root, i, p), *[int(j == i) for j in range(1, size)]] for i in range(1, size)]
-    basis = [[int(c) for c in row] for row in fmpz_mat(rows).lll().tolist()]
+    basis = fmpz_mat(rows).lll()
     for multiples in sorted(product((0, 1, -1, 2, -2), repeat=size), key=lambda m: sum(map(abs, m))):
-        found = (*(sum(m * row[j] for m, row in zip(multiples, basis, strict=True)) for j in range(size)), 0)
-        if _norm(found) == p:
+        found = fmpz_poly((fmpz_mat([multiples]) * basis).entries())
+        if _multiplication(found, degree).det() == p:
             return found
     raise AssertionError(f"no generator of an ideal over {shown(p)} near its reduced basis")
 
 
-def _times(a: Element, b: Element) -> Element:
-    size = len(a)
-    return tuple(sum(a[j] * b[(i - j) % size] for j in range(size)) for i in range(size))
+def _multiplication(a: Any, degree: int) -> Any:
+    """The matrix of the multiplication by a on Z[ζ]: its determinant is the norm of a, its characteristic polynomial
+    that of a.
+    """
+    from flint import fmpz_mat, fmpz_poly
 
-
-def _conjugate(a: Element, t: int) -> Element:
-    """The image under ζ → ζ^t."""
-    size = len(a)
-    found = [0] * size
-    for i, c in enumerate(a):
-        found[i * t % size] = c
-    return tuple(found)
-
-
-def _integer(a: Element) -> int:
-    """The int that equals ``a``, an element whose coefficients after the first are all equal."""
-    return a[0] - a[1]
-
-
-def _norm(a: Element) -> int:
-    total = a
-    for t in range(2, len(a)):
-        total = _times(total, _conjugate(a, t))
-    return _integer(total)
-
-
-def _characteristic_polynomial(a: Element) -> list[int]:
-    """The polynomial Π (T − σ(a)) over all conjugates σ(a), ascending, from traces of powers (Newton's identities)."""
-    size = len(a) - 1
-    traces, power = [], a
-    for _ in range(size):
-        traces.append(size * power[0] - sum(power[1:]))
-        power = _times(power, a)
-    return leading([-trace for trace in traces])[::-1]
+    cyclotomic, size = fmpz_poly([1] * degree), degree - 1
+    rows = [a * fmpz_poly([*[0] * i, 1]) % cyclotomic for i in range(size)]
+    return fmpz_mat([[row[j] for j in range(size)] for row in rows])

@@ -1,8 +1,8 @@
 """The number of points of a curve over small fields, and the Frobenius polynomial that follows from it.
 
-Over GF(q^i) of up to 2^20 elements, tables of logarithms show whether h² + 4f is a square, or, in characteristic 2,
-give f/h², whose trace shows whether y exists. If q is an odd prime, the norm to GF(q) shows it, for up to 10^7
-elements.
+Over x there are two points if h² + 4f is a non-zero square, one if it is 0. Over GF(q^i) of up to 2^20 elements tables
+of logarithms decide this. If q is an odd prime, so does the norm of h² + 4f to GF(q), for up to 10^7 elements. In
+characteristic 2 there is one point if h = 0, and two if the trace of f/h² is 0.
 """
 
 from __future__ import annotations
@@ -24,9 +24,8 @@ _CHUNK = 1 << 18
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g (Weil)."""
-    q, g = C.field.order, C.genus
-    if q is None:
-        raise FieldError(f"field = {C.field.name}: points are counted over finite fields")
+    q: Any = C.field.order
+    g = C.genus
     _check_feasible(C, g)
     return weil.from_leading(weil.leading([count_points(C, i) - q**i - 1 for i in range(1, g + 1)]), q)
 
@@ -60,7 +59,7 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
     import numpy as np
 
     K: Any = C.field
-    size = degree * (getattr(K, "degree", 1))
+    size = degree * K.degree
     if size == 1:
         return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
     base = prime_field(K.characteristic)
@@ -77,6 +76,7 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
 def _count_by_trace(L: TableField, h: poly.Poly, f: poly.Poly) -> int:
     import numpy as np
 
+    # the trace of an element is the parity of its bits in the mask
     mask = sum(1 << i for i in range(L.degree) if L.trace(1 << i))
     exp, log = np.array(L._exp), np.array(L._log)
     slope, value = _values(L, h), _values(L, f)
@@ -106,7 +106,7 @@ def _values(L: TableField, a: poly.Poly) -> Any:
 
 def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
     """The polynomial ``a`` over the larger field L; the generator of K is mapped to a root of its modulus."""
-    if K is L or getattr(K, "degree", 1) == 1:
+    if K is L or K.degree == 1:
         return a
     root = int((_values(L, K.modulus) == 0).argmax())
     return tuple(poly.evaluate(L, tuple(K.coefficients(c)), root) for c in a)

@@ -21,9 +21,10 @@ PARI_FROM, PARI_TO = 1 << 24, 10**22
 @lru_cache(maxsize=256)
 def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
     K: Any = C.field
-    descended = _over_prime_field(C)
-    if descended is not None:
-        return tuple(weil.extend(list(_cached_polynomial(descended)), K.characteristic, K.degree))
+    p = K.characteristic
+    if isinstance(K, ExtensionField) and all(c < p for c in (*C.f, *C.h)):
+        below = HyperellipticCurve(K.base, C.f, C.h)
+        return tuple(weil.extend(list(_cached_polynomial(below)), p, K.degree))
     if K.order**C.genus <= counting_is_quick(C):
         return tuple(counting.frobenius_polynomial(C))
     return tuple(complex_multiplication.frobenius_polynomial(C) or by_pari(C) or search(C))
@@ -43,13 +44,6 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     if C.field.order is None:
         raise FieldError(f"field = {C.field.name}: points are counted over finite fields")
     return list(_cached_polynomial(C))
-
-
-def _over_prime_field(C: HyperellipticCurve) -> HyperellipticCurve | None:
-    K = C.field
-    if not isinstance(K, ExtensionField) or any(c >= K.characteristic for c in (*C.f, *C.h)):
-        return None
-    return HyperellipticCurve(K.base, C.f, C.h)
 
 
 def by_pari(C: HyperellipticCurve) -> list[int] | None:

@@ -73,13 +73,13 @@ class FiniteGroup(GroupLaw[Element]):
         """See :meth:`jacobian.curve.questions.CurveQuestions.p_rank`."""
         from jacobian.finite.slopes import p_rank
 
-        return p_rank(self.curve, self.frobenius_polynomial)
+        return p_rank(self.curve)
 
     def is_supersingular(self) -> bool:
         """See :meth:`jacobian.curve.questions.CurveQuestions.is_supersingular`."""
         from jacobian.finite.slopes import is_supersingular
 
-        return is_supersingular(self.curve, self.frobenius_polynomial)
+        return is_supersingular(self.curve)
 
     def bad_primes(self) -> list[int]:
         """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`."""

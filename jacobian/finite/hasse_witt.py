@@ -11,6 +11,8 @@ Sutherland 2016).
 from __future__ import annotations
 
 from functools import cache
+from itertools import islice
+from math import comb
 from typing import Any
 
 from jacobian import poly
@@ -20,6 +22,7 @@ from jacobian.fields.factor import roots
 from jacobian.fields.flint_polynomials import conversions
 from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.words import inverse_modulo
 
 COMPILED_FROM = 20_000
 """Above this p the compiled recurrence is used over GF(p). At this p it takes as long as the power of F, a few
@@ -48,7 +51,8 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
     power = K.characteristic
     while power < K.order:
         factor = [[K.power(entry, K.characteristic) for entry in row] for row in factor]
-        norm = _product(K, norm, factor)
+        columns = list(zip(*factor, strict=True))
+        norm = [[K.dot(row, column) for column in columns] for row in norm]
         power *= K.characteristic
     return [int(c) for c in _characteristic_polynomial(K, norm)]
 
@@ -56,7 +60,7 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
 def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
     """A curve isomorphic to C whose F has a root at infinity, if F has a rational root, else C.
 
-    A root at infinity makes the matrices smaller.
+    Then the matrices, whose size is deg F, are smaller.
     """
     K, F = C.field, C.discriminant
     zeros = roots(K, F) if len(F) == 2 * C.genus + 3 else []
@@ -67,12 +71,11 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]]:
     """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f."""
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
-    # (2y + h)² = h² + 4f is the same curve, so its F has the same χ
+    # with 2y + h for y the equation is y² = F; the curve and χ are the same
     F = C.discriminant
-    words, products = p < WORD_SAFE, p < PRODUCTS_TO and len(F) <= PRODUCTS_DEGREE + 1
-    shifts = _translations(K, F, g) if K.order == p > COMPILED_FROM and (words or products) else None
-    if shifts is not None and not interpreted():
-        return _by_translations(K, F, shifts)
+    limit = PRODUCTS_TO if len(F) <= PRODUCTS_DEGREE + 1 else WORD_SAFE
+    if COMPILED_FROM < K.order == p < limit and not interpreted():
+        return _by_translations(K, F, g)
     if p > PLAIN_TO:
         raise Infeasible(
             f"field = {K.name}: the Cartier–Manin matrix is computed up to p = 2^{PRODUCTS_TO.bit_length() - 1} "
@@ -91,42 +94,26 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]]:
     ]
 
 
-def _by_translations(K: Any, F: poly.Poly, shifts: list[Any]) -> list[list[Any]]:
-    """The Cartier–Manin matrix over GF(p) from the first columns of the matrices of the translates by g ``shifts``.
+def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]]:
+    """The Cartier–Manin matrix A over GF(p) from the first columns of the matrices of g translates F(x + a).
 
     A translation x → x + a maps A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
     A·(a^(p(j−1)))_j = B·(first column of the translate's matrix).
     """
-    g, rows = len(shifts), []
+    # F has at most 2g + 2 roots, fewer than p, and the first column needs F(a) ≠ 0
+    shifts = islice((a for a in range(K.order) if poly.evaluate(K, F, a)), g)
+    rows = []
     for i, a in enumerate(shifts):
         column = _first_column(K, poly.shift(K, F, a), g, i)
-        binomial = _binomial_matrix(K, a, g)
-        rows.append([K.power(a, K.order * j) for j in range(g)] + [K.dot(row, column) for row in binomial])
-    # the rows are [V | B] with V·Aᵀ = B, where V, the matrix of powers, is invertible for g distinct a
+        binomial = ([comb(j, k) * a ** (j - k) % K.order for k in range(j + 1)] for j in range(g))
+        powers = [K.power(a, K.order * j) for j in range(g)]
+        rows.append(powers + [K.dot(row, column[: len(row)]) for row in binomial])
+    # the rows are [V | W] with V·Aᵀ = W, where V, the matrix of powers, is invertible for g distinct a
     transposed = (row[g:] for _, row in sorted(echelon(K, rows, g)))
     return [list(row) for row in zip(*transposed, strict=True)]
 
 
-def _translations(K: Any, F: poly.Poly, g: int) -> list[Any] | None:
-    found = []
-    for index in range(min(K.order, 4 * g + 4)):
-        a = K.element(index)
-        if poly.evaluate(K, F, a) != K.zero:
-            found.append(a)
-            if len(found) == g:
-                return found
-    return None
-
-
-def _binomial_matrix(K: Any, a: Any, g: int) -> list[list[Any]]:
-    rows = [[K.one] + [K.zero] * (g - 1)]
-    for _ in range(g - 1):
-        last = rows[-1]
-        rows.append([K.add(K.mul(a, c), b) for c, b in zip(last, [K.zero, *last], strict=False)])
-    return rows
-
-
-def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
+def _first_column(K: Any, F: poly.Poly, g: int, index: int) -> list[Any]:
     """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0; F is the translate number ``index`` of g."""
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
@@ -177,13 +164,7 @@ def invert_range(start: int, size: int, p: int, inverses: Any) -> None:
     for j in range(size):
         inverses[j] = total
         total = total * (start + j) % p
-    back, other, rest, remainder = 0, 1, p, total
-    while remainder > 0:
-        quotient = rest // remainder
-        back, other = other, back - quotient * other
-        rest, remainder = remainder, rest - quotient * remainder
-    if back < 0:
-        back += p
+    back = inverse_modulo(total, p) % p
     for j in range(size - 1, -1, -1):
         inverses[j] = back * inverses[j] % p
         back = back * (start + j) % p
@@ -197,14 +178,6 @@ def library() -> Any:
 
     entries = {"recurrence_on_words": (recurrence_on_words, (INTS, INT, INTS, INTS, INTS))}
     return Library("Cartier-Manin", entries)
-
-
-# --- small matrices over a field
-
-
-def _product(K: Any, a: list[list[Any]], b: list[list[Any]]) -> list[list[Any]]:
-    columns = list(zip(*b, strict=True))
-    return [[K.dot(row, column) for column in columns] for row in a]
 
 
 def _characteristic_polynomial(K: Any, matrix: list[list[Any]]) -> list[Any]:

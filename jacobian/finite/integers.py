@@ -1,6 +1,6 @@
-"""Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve for cofactors that it
-splits within a second). Infeasible names the cofactor that was not split, and every function that needs a factorisation
-accepts one from the caller.
+"""Factoring integers: trial division, then python-flint: its quadratic sieve for numbers that this splits within a
+second, elliptic curves for longer ones. Infeasible names the cofactor that was not split. Every function that needs a
+factorization accepts the prime factors from the caller.
 """
 
 from __future__ import annotations

@@ -16,9 +16,9 @@ import numpy as np
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
-from jacobian.native import modular
 from jacobian.native.kinds import INTS, LONG, TupleKind
 from jacobian.native.library import Library
+from jacobian.native.modular import CONTEXT
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.two_words import BITS, Residues, two_words
 
@@ -84,11 +84,13 @@ def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
 
 
 PAIR = TupleKind((LONG, LONG))
-LIBRARY = Library("miller", {"function_at": (function_at, (modular.CONTEXT, PAIR, PAIR, PAIR, INTS))}, modular.MODULAR)
+LIBRARY = Library("miller", {"function_at": (function_at, (CONTEXT, PAIR, PAIR, PAIR, INTS))})
 
 
 COLD = 1000
-"""The number of loops in Python that take as long as the compilation, 0.4 s (``python -m benchmarks pairing``)."""
+"""The number of runs of the loop in Python that take as long as its compilation, 0.4 s (``python -m benchmarks
+pairing``).
+"""
 CALLS = count()
 
 
@@ -98,7 +100,7 @@ def _is_compiled() -> bool:
 
 @cache
 def is_kept() -> bool:
-    """Whether the compiled loop was on disk at the first call in this process."""
+    """Whether the compiled loop was on disk when this was first asked."""
     return LIBRARY.is_kept()
 
 

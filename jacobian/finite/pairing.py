@@ -173,8 +173,8 @@ def _quotient_at(J: Any, functions: tuple[Divisor, Divisor], at: tuple[Divisor, 
 
 def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
     """The values, up to a common factor, of f_m at the affine divisors ``at`` of equal degrees, where m·D = [mD] + div
-    f_m. Miller's loop runs from the first bit of m. It reduces numerators and denominators modulo the u of each
-    divisor; at the end one norm is taken of each.
+    f_m. Miller's loop computes numerators and denominators modulo the u of each divisor; at the end the norm of each is
+    taken.
     """
     law, K = FlintCantor(J._model), J.field
     into, back = conversions(K)
@@ -185,37 +185,25 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
     one = into((K.one,))
     values = [(one, one)] * len(places)
     for bit in bin(m)[3:]:
-        total, factors = _step(law, law.doubled(total), places)
-        values = [
-            (x * x % u * over % u, y * y % u * under % u)
-            for (x, y), (over, under), (u, _) in zip(values, factors, places, strict=True)
-        ]
+        values = [(x * x % u, y * y % u) for (x, y), (u, _) in zip(values, places, strict=True)]
+        total, values = _step(law, law.doubled(total), places, values)
         if bit == "1":
-            total, factors = _step(law, law.composed(total, start), places)
-            values = [
-                (x * over % u, y * under % u)
-                for (x, y), (over, under), (u, _) in zip(values, factors, places, strict=True)
-            ]
+            total, values = _step(law, law.composed(total, start), places, values)
     norms = ([_norm(K, u, back(z)) for z in value] for (u, _), value in zip(pairs, values, strict=True))
     return [K.div(over, under) for over, under in norms]
 
 
-def _step(law: FlintCantor, composed: Any, places: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
-    """The reduced sum, and the step's function at each (u, v) of ``places``: numerator and denominator modulo u."""
-    u, v, n, cancelled = composed
-    total, lines, under = (u, v, n), [], []
-    for line, total in law.reductions(u, v, n):
-        lines.append(line)
-        under.append(total[0])
-    factors = []
-    for place, height in places:
-        over, below = cancelled % place, place**0
-        for line in lines:
-            over = over * (height - line) % place
-        for u in under:
-            below = below * u % place
-        factors.append((over, below))
-    return total, factors
+def _step(law: FlintCantor, composed: Any, places: Any, values: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
+    """The reduced sum, and the ``values`` multiplied by the step's function: (numerator, denominator) modulo the u of
+    each of the ``places`` (u, v), where y = v.
+    """
+    *start, cancelled = composed
+    total: Any = tuple(start)
+    values = [(x * cancelled % u, y) for (x, y), (u, _) in zip(values, places, strict=True)]
+    for line, total in law.reductions(*start):
+        below = total[0]
+        values = [(x * (v - line) % u, y * below % u) for (x, y), (u, v) in zip(values, places, strict=True)]
+    return total, values
 
 
 def _norm(K: Field, u: poly.Poly, c: poly.Poly) -> Any:

@@ -20,7 +20,9 @@ BLOCK = 64
 
 
 class Room(NamedTuple):
-    """Scratch memory of a loop over blocks of points: arrays of BLOCK, d·BLOCK, and twice d²·BLOCK numbers."""
+    """Scratch memory of a loop over blocks of points, for d × d matrices: arrays of BLOCK, d·BLOCK, and twice d²·BLOCK
+    numbers.
+    """
 
     k: Any
     row: Any
@@ -29,7 +31,6 @@ class Room(NamedTuple):
 
 
 def room_for(d: int) -> Room:
-    """The :class:`Room` for d × d matrices."""
     return Room(np.empty(BLOCK), np.empty((d, BLOCK)), np.empty((d * d, BLOCK)), np.empty((d * d, BLOCK)))
 
 

@@ -7,6 +7,7 @@ plain sum.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 from jacobian import poly
@@ -119,10 +120,9 @@ def straus(J: GroupLaw, pairs: list[tuple[int, Divisor]]) -> Divisor:
             table[d] = table[d - 2] + double
         tables.append(table)
     total = J.zero()
-    for position in range(max(map(len, digits)) - 1, -1, -1):
+    for column in reversed(list(zip_longest(*digits, fillvalue=0))):
         total = total.double()
-        for used, table in zip(digits, tables, strict=True):
-            digit = used[position] if position < len(used) else 0
+        for digit, table in zip(column, tables, strict=True):
             if digit:
                 total = total + (table[digit] if digit > 0 else -table[-digit])
     return total
@@ -132,12 +132,11 @@ def pippenger(J: GroupLaw, pairs: list[tuple[int, Divisor]], window: int) -> Div
     """Σ m_i·D_i, m_i > 0, by buckets, one per digit, summed by running totals (Pippenger 1976; Bernstein 2002)."""
     digits = [_signed_windows(m, window) for m, _ in pairs]
     total = J.zero()
-    for position in range(max(map(len, digits)) - 1, -1, -1):
+    for column in reversed(list(zip_longest(*digits, fillvalue=0))):
         for _ in range(window if total else 0):
             total = total.double()
         buckets: dict[int, Divisor] = {}
-        for (_, D), used in zip(pairs, digits, strict=True):
-            digit = used[position] if position < len(used) else 0
+        for (_, D), digit in zip(pairs, column, strict=True):
             if digit:
                 term = D if digit > 0 else -D
                 buckets[abs(digit)] = buckets[abs(digit)] + term if abs(digit) in buckets else term

@@ -147,25 +147,20 @@ class Side:
         return self.order([*prefix, 0], q), self.sign ** len(prefix)
 
     def learn(self, D: Divisor, candidates: Candidates) -> None:
-        """Replaces ``exponent`` and ``divisor`` by multiples that the order of D divides."""
+        """Replaces ``exponent`` and ``divisor`` by their least common multiples with the order of D."""
         if self.exponent * D:
-            multiple = self._annihilator(D, candidates)
-            self.exponent = lcm(self.exponent, reduce_order(D, factorization(multiple)))
+            r = next(self._annihilating(D, candidates), None)
+            assert r is not None, f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}"
+            self.exponent = lcm(self.exponent, reduce_order(D, factorization(self.order(r, candidates.q))))
             self.divisor = lcm(self.divisor, self.exponent)
-
-    def _annihilator(self, D: Divisor, candidates: Candidates) -> int:
-        """A candidate's order that annihilates D, hence a multiple of the order of D."""
-        for prefix, value in self._annihilating(D, candidates):
-            return self.order([*prefix, value], candidates.q)
-        raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
 
     def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
         """The R whose orders annihilate D, or None if there are more than _FEW."""
-        found = [[*prefix, value] for prefix, value in islice(self._annihilating(D, candidates), _FEW + 1)]
+        found = list(islice(self._annihilating(D, candidates), _FEW + 1))
         return found if len(found) <= _FEW else None
 
-    def _annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[tuple[tuple[int, ...], int]]:
-        """Yields the pairs (1, r_1 … r_(g−1)), r_g of the candidates whose orders annihilate D."""
+    def _annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[list[int]]:
+        """Yields the candidates R whose orders annihilate D, found by baby steps and giant steps."""
         q, m = candidates.q, candidates.modulus
         lengths = [len(candidates.last(prefix)) for prefix in candidates.prefixes()]
         step = isqrt(sum(lengths)) + 1
@@ -185,7 +180,7 @@ class Side:
             start = self.constant(prefix, q)[0] + sign * values[0]
             place = multiples(start)
             for j in range(0, len(values), step):
-                yield from ((prefix, values[j + i]) for i in table.get(place, ()) if j + i < len(values))
+                yield from ([*prefix, values[j + i]] for i in table.get(place, ()) if j + i < len(values))
                 place = place + giant
                 progress.add(1)
 
@@ -208,7 +203,7 @@ def search(C: HyperellipticCurve) -> list[int]:
     """
     candidates = _candidates(C)
     rng = Random(0)
-    sides = (Side(_with_classes(C, rng), 1), Side(_with_classes(twist(C), rng), -1))
+    sides = (Side(_with_classes(C, rng), 1), Side(_with_classes(C.quadratic_twist(), rng), -1))
     found = _without_factors(candidates, sides, rng)
     if found is not None:
         return weil.from_real_part(found, candidates.q)
@@ -262,7 +257,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     candidates = _with_counts(C, excess, residues)
     # the points over one more extension are counted where that is fast, or faster than a search without this count: a
     # step of the search takes about as long as counting ``step`` elements
-    step = 1000 if q == C.field.characteristic != 2 else 8
+    step = 1000 if prime else 8
     while (i := len(excess) + 1) <= g and q**i <= limit:
         if q**i > counting_is_quick(C) and q**i > step * isqrt(candidates.size()):
             break
@@ -300,16 +295,6 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
     # r_i ≡ a_i (a coefficient of χ) modulo p: their difference is a multiple of q
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
     return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
-
-
-def twist(C: HyperellipticCurve) -> HyperellipticCurve:
-    """The quadratic twist by a random element."""
-    K: Any = C.field
-    rng = Random(0)
-    c = K.random(rng)
-    while K.trace(c) == K.zero if K.characteristic == 2 else K.is_square(c):
-        c = K.random(rng)
-    return C.quadratic_twist(c)
 
 
 def _with_classes(C: HyperellipticCurve, rng: Random) -> HyperellipticCurve:

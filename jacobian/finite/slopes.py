@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import FieldError, Infeasible
 from jacobian.fields.factor import factor
+from jacobian.finite.frobenius import frobenius_polynomial
 from jacobian.finite.hasse_witt import cartier_manin, frobenius_modulo_p
 
 if TYPE_CHECKING:
@@ -20,21 +21,18 @@ def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
     return cartier_manin(C)
 
 
-def p_rank(C: HyperellipticCurve, chi: Any) -> int:
-    """The number of roots of Frobenius that are units modulo p; ``chi`` computes the polynomial of Frobenius."""
+def p_rank(C: HyperellipticCurve) -> int:
+    """The number of roots of χ that are units modulo p, χ being the characteristic polynomial of Frobenius."""
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
     if K.characteristic == 2:
         return _two_rank(C)
     try:
-        a = frobenius_modulo_p(C)
+        a: Any = frobenius_modulo_p(C)
     except Infeasible:
-        # for a curve with complex multiplication ``chi`` succeeds over any field
-        a = None
-    if a is None:
-        p = K.characteristic
-        a = [c % p for c in chi()[::-1][1 : C.genus + 1]]
+        # χ may be known all the same, for example by complex multiplication
+        a = [c % K.characteristic for c in frobenius_polynomial(C)[::-1][1 : C.genus + 1]]
     return max((i for i, c in enumerate(a, 1) if c), default=0)
 
 
@@ -45,9 +43,9 @@ def _two_rank(C: HyperellipticCurve) -> int:
     return sum(len(P) - 1 for P, _ in factor(C.field, C.h)) + (len(C.h) < C.genus + 2) - 1
 
 
-def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
+def is_supersingular(C: HyperellipticCurve) -> bool:
     """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ divides the coefficient of
-    T^(2g−i) for all i. ``chi`` computes χ.
+    T^(2g−i) for all i.
 
     In characteristic 2 and genus 1 or 2 the p-rank decides, because it is 0 for no other polygon.
     """
@@ -56,4 +54,4 @@ def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
     rank = _two_rank(C) if p == 2 else 0
     if p == 2 and (rank > 0 or g <= 2):
         return rank == 0
-    return all(c % p ** ((i * K.degree + 1) // 2) == 0 for i, c in enumerate(chi()[::-1][: g + 1]))
+    return all(c % p ** ((i * K.degree + 1) // 2) == 0 for i, c in enumerate(frobenius_polynomial(C)[::-1][: g + 1]))

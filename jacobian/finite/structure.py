@@ -69,23 +69,19 @@ class Structure(NamedTuple):
             if coordinates is None:
                 raise NotAMultiple(f"D = {shown(D)} is no sum of multiples of the generators")
             for place, c, exponent in zip(places, coordinates, group.exponents, strict=True):
-                part, whole = prime**exponent, self.invariants[place]
-                # the generator of the ℓ-part, ℓ = prime, is whole/part times the generator of the group
+                part, d = prime**exponent, self.invariants[place]
+                # the generator of the ℓ-part, ℓ = prime, is d/part times the generator of the group
                 c = c * pow(self.exponent // power, -1, part) % part
-                found[place] = (found[place] + c * (whole // part)) % whole
+                found[place] = (found[place] + c * (d // part)) % d
         return tuple(found)
 
     def _primary(self, prime: int, zero: Divisor) -> tuple[PrimaryGroup, list[int]]:
         """The ℓ-part of the group, ℓ = ``prime``, and the indices of the generators whose multiples generate it."""
-        group = PrimaryGroup(zero, prime)
         top = self.exponent.bit_length()
         exponents = {place: _valuation(d, prime, top) for place, d in enumerate(self.invariants) if d % prime == 0}
         places = sorted(exponents, key=lambda place: -exponents[place])
-        group.exponents = [exponents[place] for place in places]
-        group.generators = [
-            self.invariants[place] // prime ** exponents[place] * self.generators[place] for place in places
-        ]
-        return group, places
+        generators = [self.invariants[i] // prime ** exponents[i] * self.generators[i] for i in places]
+        return PrimaryGroup(zero, prime, generators, [exponents[i] for i in places]), places
 
 
 def _combinations(start: Any, steps: Any, counts: Any) -> Iterator[tuple[tuple[int, ...], Any]]:
@@ -102,14 +98,14 @@ def _combinations(start: Any, steps: Any, counts: Any) -> Iterator[tuple[tuple[i
 class PrimaryGroup:
     """A group of ℓ-power order, ℓ = ``prime``, with independent ``generators`` of orders ℓ^``exponents``, descending.
 
-    It starts as {0}.
+    Without generators it is {0}.
     """
 
-    def __init__(self, zero: Divisor, prime: int) -> None:
-        self.zero = zero
-        self.prime = prime
-        self.generators: list[Divisor] = []
-        self.exponents: list[int] = []
+    def __init__(
+        self, zero: Divisor, prime: int, generators: Iterable[Divisor] = (), exponents: Iterable[int] = ()
+    ) -> None:
+        self.zero, self.prime = zero, prime
+        self.generators, self.exponents = list(generators), list(exponents)
         self._tables: dict[int, dict[Divisor, tuple[int, ...]]] = {}
 
     @property
@@ -119,11 +115,8 @@ class PrimaryGroup:
 
     def combination(self, coefficients: Iterable[int]) -> Divisor:
         """Σ c_i · generator_i."""
-        total = self.zero
-        for c, generator in zip(coefficients, self.generators, strict=True):
-            if c:
-                total = total + c * generator
-        return total
+        pairs = zip(coefficients, self.generators, strict=True)
+        return sum((c * generator for c, generator in pairs if c), self.zero)
 
     def coordinates(self, y: Divisor) -> list[int] | None:
         """The coordinates c_i of y = Σ c_i · generator_i, found digit by digit; None for a y outside the group."""
@@ -184,14 +177,12 @@ class PrimaryGroup:
         size = len(self.generators)
         relations = [[self.prime**e if i == j else 0 for j in range(size + 1)] for i, e in enumerate(self.exponents)]
         relations.append([*[-c for c in known], self.prime**height])
-        self._set(*_diagonalise(relations, [*self.generators, x], self.prime, sum(self.exponents) + height + 1))
-        return True
-
-    def _set(self, exponents: list[int], generators: list[Divisor]) -> None:
-        pairs = sorted(zip(exponents, generators, strict=True), key=lambda pair: -pair[0])
-        self.exponents = [e for e, _ in pairs if e]
-        self.generators = [generator for e, generator in pairs if e]
+        found = _diagonalise(relations, [*self.generators, x], self.prime, sum(self.exponents) + height + 1)
+        pairs = sorted((pair for pair in zip(*found, strict=True) if pair[0]), key=lambda pair: -pair[0])
+        self.exponents = [e for e, _ in pairs]
+        self.generators = [generator for _, generator in pairs]
         self._tables = {}
+        return True
 
 
 def _diagonalise(rows: list[list[int]], basis: list[Any], prime: int, top: int) -> tuple[list[int], list[Any]]:
@@ -243,13 +234,13 @@ def sylow_subgroup(J: GroupLaw, prime: int, rng: Rng | None = None) -> PrimaryGr
     return group
 
 
-def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Rng | None = None) -> Structure:
+def structure(J: GroupLaw, primes: Iterable[int] | None = None) -> Structure:
     """The invariant factors d_1 | d_2 | … of the group, at most 2g of them, and generators of these orders.
 
     ``primes``: the prime factors of #J, if known. The time grows like (√ℓ)^r for the largest prime ℓ whose Sylow
     subgroup has rank r > 1. Infeasible beyond tables of 2^21 classes, or where #J cannot be computed or factored.
     """
-    rng = Random(0) if rng is None else rng
+    rng = Random(0)
     return joined([sylow_subgroup(J, prime, rng) for prime in factorization(J.order(), primes)])
 
 
@@ -264,19 +255,16 @@ def joined(groups: list[PrimaryGroup]) -> Structure:
     return Structure(tuple(invariants[::-1]), tuple(generators[::-1]))
 
 
-def torsion(J: GroupLaw, m: int, rng: Rng | None = None) -> Structure:
+def torsion(J: GroupLaw, m: int) -> Structure:
     """The classes D with m·D = 0 over the finite field, as a group with generators; only the primes of m are used."""
     m = _check_positive(m)
-    rng = Random(0) if rng is None else rng
-    groups = []
-    for prime, exponent in factorization(gcd(J.order(), m)).items() if m > 1 else ():
+    rng, groups = Random(0), []
+    for prime in factorization(gcd(J.order(), m)) if m > 1 else ():
         group = sylow_subgroup(J, prime, rng)
         exponent = _valuation(m, prime, m.bit_length())
-        part = PrimaryGroup(J.zero(), prime)
         pairs = zip(group.exponents, group.generators, strict=True)
-        part.generators = [prime ** max(e - exponent, 0) * generator for e, generator in pairs]
-        part.exponents = [min(e, exponent) for e in group.exponents]
-        groups.append(part)
+        generators = [prime ** max(e - exponent, 0) * generator for e, generator in pairs]
+        groups.append(PrimaryGroup(J.zero(), prime, generators, [min(e, exponent) for e in group.exponents]))
     return joined(groups)
 
 

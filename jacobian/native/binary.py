@@ -7,6 +7,7 @@ A carry-less product of two words is one instruction on processors that have PCL
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from typing import Any
 
 from jacobian.native.kinds import INT, LONG, Value, record
@@ -24,10 +25,7 @@ PAIR = "<2 x i64>"
 
 def plus(b: Operators, *terms: str) -> str:
     """The sum of polynomials over GF(2): the exclusive or of all terms."""
-    found = terms[0]
-    for x in terms[1:]:
-        found = b.write(f"xor i128 {found}, {x}")
-    return found
+    return reduce(lambda x, y: b.write(f"xor i128 {x}, {y}"), terms)
 
 
 def in_one_instruction(b: Operators, x: Value, y: Value) -> Value | None:

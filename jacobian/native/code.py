@@ -29,7 +29,6 @@ SINGLE = Types("double", "i64", "i1", "f64", "", 1)
 
 
 def types_in(n: int) -> Types:
-    """The types for n lanes."""
     if n == 1:
         return SINGLE
     double, word, bit = (f"<{n} x {leaf}>" for leaf in SINGLE[:3])
@@ -62,7 +61,6 @@ class Code:
         self._count = 0
 
     def fresh(self) -> str:
-        """A new name."""
         self._count += 1
         return f"%x{self._count}"
 
@@ -108,7 +106,7 @@ class Code:
         return self.intrinsic("sqrt", x)
 
     def intrinsic(self, name: str, *arguments: str) -> str:
-        """Writes a call of the LLVM intrinsic ``name`` of floats; returns the result's name."""
+        """Writes a call of LLVM's function ``name`` of floats; returns the result's name."""
         double = self.types.double
         given = ", ".join(f"{double} {x}" for x in arguments)
         return self.write(f"call {double} @llvm.{name}.{self.types.suffix}({given})")

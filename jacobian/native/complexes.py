@@ -40,12 +40,10 @@ def conjugate(b: Any, x: Value) -> Value:
 
 
 def real(b: Any, x: Value) -> Value:
-    """The real part."""
     return Value(FLOAT, (x.parts[0],)) if x.kind is COMPLEX else x
 
 
 def imaginary(b: Any, x: Value) -> Value:
-    """The imaginary part."""
     return Value(FLOAT, (x.parts[1] if x.kind is COMPLEX else "0.0",))
 
 

@@ -8,7 +8,7 @@ in many calls; the method is bound to a bytes object that holds them.
 from __future__ import annotations
 
 import ctypes
-import struct
+from math import prod
 from typing import Any, NamedTuple
 
 from jacobian.native.kinds import BOOL, INT, INTS, LONG, NONE, ArrayKind, CompileError, TupleKind
@@ -48,11 +48,7 @@ class Scratch(NamedTuple):
 
     @property
     def words(self) -> int:
-        """The number of 64-bit words."""
-        count = self.kind.parts
-        for size in self.shape:
-            count *= size
-        return count
+        return self.kind.parts * prod(self.shape)
 
 
 class Rows(NamedTuple):
@@ -133,15 +129,9 @@ def method(body: Any, name: str, instance: Any, head: list[str], given: Objects)
     failed = body.write(f"icmp ne ptr {body.write('call ptr @PyErr_Occurred()')}, null")
     body.lines += [f"  br i1 {failed}, label %failed, label %good", "failed:", "  ret ptr null", "good:"]
     state = body.write("call ptr @PyEval_SaveThread()") if given.unlocked else ""
-    call, leaves = f"call {instance.returned} @{instance.name}({', '.join(values)})", instance.result.leaves
-    found = "" if instance.result is NONE else body.write(call)
-    if not found:
-        body.lines.append(f"  {call}")
+    parts = list(body.result_of(instance, values))
     if given.unlocked:
         body.lines.append(f"  call void @PyEval_RestoreThread(ptr {state})")
-    parts = [found]
-    if len(leaves) > 1:
-        parts = [body.write(f"extractvalue {instance.returned} {found}, {k}") for k in range(len(leaves))]
     back = made(body, instance.result, parts)
     head_line = f"define ptr @{name}(ptr %self, ptr %given, i64 %count) nounwind {{"
     # a failed check returns without an exception set, for which Python raises SystemError
@@ -162,15 +152,14 @@ class Method:
     of the other arguments.
     """
 
-    def __init__(self, entry: Any, name: str, letters: str, words_of: Any) -> None:
-        self._entry, self._letters, self._words_of = entry, letters, words_of
+    def __init__(self, entry: Any, name: str, packed: Any) -> None:
+        self._entry, self._packed = entry, packed
         # every function that a call returns points to this definition, so it lives as long as the process
         self._definition = _Definition(name.encode(), entry.address, FAST_CALL, None)
         _KEPT.append((self._definition, entry))
 
     def __call__(self, *leading: Any) -> Any:
-        head = struct.pack(f"={self._letters}", *self._words_of(leading))
-        return _new(ctypes.byref(self._definition), head, None)
+        return _new(ctypes.byref(self._definition), self._packed(*leading), None)
 
 
 _KEPT: list[Any] = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from jacobian.native.code import LANES
@@ -17,13 +17,13 @@ from jacobian.native.kinds import (
     ArrayKind,
     CompileError,
     FunctionKind,
-    ObjectKind,
     TupleKind,
     Value,
     abreast,
     is_abreast,
     is_number,
     meeting,
+    returned_type,
     single,
     together,
 )  # fmt: skip
@@ -56,7 +56,6 @@ class Expressions(Operators):
         return [f"{name}{self.fresh()[2:]}" for name in names]
 
     def go(self, label: str) -> None:
-        """Writes a jump to a block."""
         self.lines.append(f"  br label %{label}")
 
     def condition(self, node: ast.expr) -> str:
@@ -67,7 +66,6 @@ class Expressions(Operators):
         return str(test.parts[0])
 
     def split(self, condition: str, true: str, false: str) -> None:
-        """Writes a branch to one of two blocks."""
         self.lines.append(f"  br i1 {condition}, label %{true}, label %{false}")
 
     # --- memory
@@ -110,14 +108,18 @@ class Expressions(Operators):
     # --- expressions
 
     def value(self, node: ast.expr) -> Value:
-        """The value of an expression."""
         place = self.place(node)
         if place is not None:
             return self.loaded(*place)
-        found = EXPRESSIONS.get(type(node))
+        return self.compiler_of("of", node)(node)
+
+    def compiler_of(self, prefix: str, node: ast.AST) -> Callable[..., Any]:
+        """The method that compiles this class of nodes, of_name or do_if for example."""
+        name = type(node).__name__
+        found = getattr(self, f"{prefix}_{name.lower()}", None)
         if found is None:
-            raise CompileError(f"{type(node).__name__} is not compiled")
-        return found(self, node)
+            raise CompileError(f"{name} is not compiled")
+        return found
 
     def place(self, node: ast.expr) -> tuple[Any, list[str]] | None:
         """(kind, slots) of a variable, or of a part of it whose index is known at compile time; None otherwise."""
@@ -186,7 +188,6 @@ class Expressions(Operators):
         return self.logical("and", *found)
 
     def related(self, op: ast.cmpop, left: Value, right: Value) -> Value:
-        """Whether the relation ``op`` holds between the values."""
         if not isinstance(op, ast.In):
             return self.compare(type(op).__name__, left, right)
         if not isinstance(right.kind, TupleKind):
@@ -297,7 +298,7 @@ class Expressions(Operators):
         return Value(item, tuple(parts))
 
     def lane(self, value: Value, leaf: str, k: int) -> Value:
-        """The value in lane k of a vector."""
+        """The value in lane k of a vector; ``leaf`` is the type of each of its scalars."""
         parts = (self.write(f"extractelement <{LANES} x {leaf}> {part}, i64 {k}") for part in value.parts)
         return Value(single(value.kind), tuple(parts))
 
@@ -317,9 +318,7 @@ class Expressions(Operators):
         if is_abreast(address.kind):
             value = self.cast(value, abreast(item))
             for k in range(LANES):
-                parts = (self.lane(Value(value.kind, (part,)), leaf, k).parts[0]
-                         for leaf, part in zip(item.leaves, value.parts, strict=True))  # fmt: skip
-                self.put(row, self.lane(address, "ptr", k), Value(item, tuple(parts)))
+                self.put(row, self.lane(address, "ptr", k), self.lane(value, item.leaves[0], k))
             return
         if meeting(item, value.kind) != item:
             raise CompileError(f"{value.kind} into an array of {item}")
@@ -353,10 +352,10 @@ class Expressions(Operators):
                 raise CompileError(f"{ast.unparse(node)} is not compiled")
             return self.call(self.program.of_class(owner.kind.named, node.func.attr), [owner, *self.items(node.args)])
         called = self.value(node.func)
-        if not isinstance(called.kind, ObjectKind | FunctionKind) or node.keywords:
+        known = isinstance(called.kind, FunctionKind)
+        if not (known or called.kind is OBJECT) or node.keywords:
             raise CompileError(f"{ast.unparse(node)} is not compiled")
-        thing = called.kind.thing if isinstance(called.kind, FunctionKind) else called.parts[0]
-        return self.call(thing, self.items(node.args))
+        return self.call(called.kind.thing if known else called.parts[0], self.items(node.args))
 
     def call(self, thing: Any, arguments: list[Value]) -> Value:
         """The value of a call to a builtin, a NamedTuple or a function to be compiled."""
@@ -377,17 +376,22 @@ class Expressions(Operators):
         if (expression := self.expression_of(thing, arguments)) is not None:
             return self.written_here(thing, expression, arguments)
         instance = self.program.instance(thing, tuple(x.kind for x in arguments))
-        parts = (f"{leaf} {part}" for x in arguments for leaf, part in zip(x.kind.leaves, x.parts, strict=True))
-        text = f"call {instance.returned} @{instance.name}({', '.join(parts)})"
-        leaves = instance.result.leaves
-        if not leaves:
+        operands = (f"{leaf} {part}" for x in arguments for leaf, part in zip(x.kind.leaves, x.parts, strict=True))
+        return Value(instance.result, self.result_of(instance, operands))
+
+    def result_of(self, instance: Any, operands: Iterable[str]) -> tuple[str, ...]:
+        """Writes the call of a compiled function, an :class:`~jacobian.native.program.Instance`; returns the scalars of
+        its result.
+        """
+        returned, count = returned_type(instance.result), len(instance.result.leaves)
+        text = f"call {returned} @{instance.name}({', '.join(operands)})"
+        if not count:
             self.lines.append(f"  {text}")
-            return Value(instance.result, ())
-        found_there = self.write(text)
-        if len(leaves) == 1:
-            return Value(instance.result, (found_there,))
-        parts_there = (self.write(f"extractvalue {instance.returned} {found_there}, {k}") for k in range(len(leaves)))
-        return Value(instance.result, tuple(parts_there))
+            return ()
+        found = self.write(text)
+        if count == 1:
+            return (found,)
+        return tuple(self.write(f"extractvalue {returned} {found}, {k}") for k in range(count))
 
     def expression_of(self, function: Any, arguments: list[Value]) -> ast.expr | None:
         """The expression that a function of a field's context returns, if it has no other statement; else None."""
@@ -409,18 +413,3 @@ class Expressions(Operators):
             return self.value(expression)
         finally:
             self.variables, self.values, self.source = outside
-
-
-EXPRESSIONS: dict[type[ast.expr], Callable[..., Value]] = {
-    ast.Name: Expressions.of_name,
-    ast.Constant: Expressions.of_constant,
-    ast.Tuple: Expressions.of_tuple,
-    ast.BinOp: Expressions.of_binop,
-    ast.UnaryOp: Expressions.of_unaryop,
-    ast.Compare: Expressions.of_compare,
-    ast.BoolOp: Expressions.of_boolop,
-    ast.IfExp: Expressions.of_ifexp,
-    ast.Attribute: Expressions.of_attribute,
-    ast.Subscript: Expressions.of_subscript,
-    ast.Call: Expressions.of_call,
-}

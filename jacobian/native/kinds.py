@@ -39,6 +39,8 @@ LONG = Kind("long", ("i128",), 4)
 """A natural number below 2^128."""
 COMPLEX = Kind("complex", ("double", "double"), 5)
 NONE = Kind("None", ())
+OBJECT = Kind("object", ())
+"""An object known at compile time: a function, a class, a module or a dictionary."""
 _ABREAST = {
     kind: Kind(f"{kind.name} abreast", tuple(f"<{LANES} x {leaf}>" for leaf in kind.leaves), kind.rank, kind)
     for kind in (BOOL, INT, FLOAT, WIDE)
@@ -83,7 +85,6 @@ class ArrayKind:
 
     @cached_property
     def dtype(self) -> np.dtype[Any]:
-        """The NumPy dtype of the array."""
         return np.dtype(self.stored or ("int64" if self.item in (INT, LONG) else "float64"))
 
     @cached_property
@@ -156,16 +157,6 @@ def form_of(kind: Any) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True)
-class ObjectKind:
-    """An object known at compile time: a function or a class."""
-
-    leaves: tuple[str, ...] = ()
-
-
-OBJECT = ObjectKind()
-
-
-@dataclass(frozen=True)
 class FunctionKind:
     """A function passed as an argument: its caller is compiled separately for each ``thing``."""
 
@@ -174,7 +165,6 @@ class FunctionKind:
 
 
 def record(named: Any, *items: Any) -> TupleKind:
-    """The kind of a NamedTuple."""
     return TupleKind(items, named)
 
 
@@ -185,7 +175,6 @@ class Value(NamedTuple):
     parts: tuple[Any, ...]
 
     def item(self, index: int) -> Value:
-        """An item of a tuple."""
         kind, begin, end = self.kind.place(index)
         return Value(kind, self.parts[begin:end])
 
@@ -207,7 +196,6 @@ def together(values: list[Value], named: Any = None) -> Value:
 
 
 def is_number(kind: Any) -> bool:
-    """Whether ``kind`` is the kind of a number."""
     return isinstance(kind, Kind) and kind.rank >= 0
 
 
@@ -223,3 +211,11 @@ def meeting(first: Any, second: Any) -> Any:
         named = first.named if first.named is second.named else None
         return TupleKind(tuple(map(meeting, first.items, second.items)), named)
     raise CompileError(f"{first} and {second} in one variable")
+
+
+def returned_type(kind: Any) -> str:
+    """The LLVM type of a function's result."""
+    leaves = kind.leaves
+    if len(leaves) < 2:
+        return str(leaves[0]) if leaves else "void"
+    return "{" + ", ".join(leaves) + "}"

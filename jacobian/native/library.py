@@ -88,7 +88,7 @@ class Library:
         entries = machine.loaded(found.code, tuple(self._functions))
         for name, (_, kinds) in self._functions.items():
             self._entries[name] = (
-                Method(entries[name], name, *_head(kinds[:-1]))
+                Method(entries[name], name, _packing(kinds[:-1]))
                 if kinds and isinstance(kinds[-1], Objects)
                 else Call(entries[name], kinds, found.results[name])
             )
@@ -98,7 +98,7 @@ class Library:
         results = {}
         for name, (function, kinds) in self._functions.items():
             result = program.entry(name, function, kinds)
-            letters = "".join(LETTERS[leaf] for leaf in result.leaves)
+            letters = letters_of((result,))
             results[name] = f"({letters})" if isinstance(result, TupleKind) else letters
         modules = program.modules | {str(way.__module__) for way in self._special.values()}
         return kept.Object(results, sorted(modules), program.numbers, machine.object_of(program.text()))
@@ -111,16 +111,16 @@ def said(kind: Any) -> str:
     return f"{getattr(kind.named, '_fields', '')}({', '.join(map(said, kind.items))})"
 
 
-def _head(kinds: tuple[Any, ...]) -> tuple[str, Callable[[Any], list[Any]]]:
-    """The ``struct`` letters of arguments, and the function from the arguments to their words."""
-    forms = tuple(map(form_of, kinds))
+def _packing(kinds: tuple[Any, ...]) -> Callable[..., bytes]:
+    """The function that packs arguments of these kinds."""
+    layout, forms = struct.Struct(f"={letters_of(kinds)}"), tuple(map(form_of, kinds))
 
-    def words_of(values: Any) -> list[Any]:
+    def packed(*values: Any) -> bytes:
         words: list[Any] = []
         flatten(values, forms, words)
-        return words
+        return layout.pack(*words)
 
-    return "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves), words_of
+    return packed
 
 
 class Packed:
@@ -142,10 +142,9 @@ class Call:
 
     def __init__(self, entry: machine.Entry, kinds: tuple[Any, ...], result: str) -> None:
         self.entry, self._kinds, self._forms, back = entry, kinds, tuple(map(form_of, kinds)), result.strip("()")
-        letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
-        self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
+        self._in, self._out = struct.Struct(f"={letters_of(kinds)}"), struct.Struct(f"={back}")
         self._size, self._tuple = self._in.size + self._out.size, result != back
-        self._longs, self._nothing = LETTERS["i128"] in back, result == ""
+        self._longs = LETTERS["i128"] in back
 
     def __call__(self, *arguments: Any) -> Any:
         words: list[Any] = []
@@ -153,20 +152,18 @@ class Call:
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
         self.entry.call(addressof(from_buffer(memory)))
-        if self._nothing:
-            return None
-        found = self._read(memory)
-        return found if self._tuple else found[0] if found else None
-
-    def _read(self, memory: bytearray) -> tuple[Any, ...]:
-        """The scalars of a call's result, unpacked from its memory."""
         found = self._out.unpack_from(memory, self._in.size)
         if self._longs:
-            return tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
-        return found
+            found = tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
+        return found if self._tuple else found[0] if found else None
 
 
 LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}
+
+
+def letters_of(kinds: tuple[Any, ...]) -> str:
+    """The letters of :mod:`struct` for the scalars of values of these kinds."""
+    return "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
 
 
 def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -> None:

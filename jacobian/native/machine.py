@@ -63,7 +63,6 @@ class Entry:
 
 
 def loaded(data: bytes, names: tuple[str, ...]) -> dict[str, Entry]:
-    """The entries of an object."""
     for each in CALLED:
         llvm.add_symbol(each, ctypes.cast(getattr(ctypes.pythonapi, each), ctypes.c_void_p).value)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())

@@ -6,6 +6,7 @@ Each function of the arithmetic takes the context as its first argument and writ
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from typing import Any
 
 from jacobian.native.kinds import INT, LONG, Value, record
@@ -24,11 +25,7 @@ def halves(b: Operators, x: str) -> tuple[str, str]:
 
 
 def total(b: Operators, *terms: str) -> str:
-    """The sum of the terms, a long."""
-    found = terms[0]
-    for x in terms[1:]:
-        found = b.write(f"add i128 {found}, {x}")
-    return found
+    return reduce(lambda x, y: b.write(f"add i128 {x}, {y}"), terms)
 
 
 def product(b: Operators, x: str, y: str) -> tuple[str, str]:
@@ -70,17 +67,14 @@ def dot(b: Operators, K: Value, *terms: Value) -> Value:
 
 
 def add(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """x + y."""
     return Value(LONG, (addition(b, K.parts[0], x.parts[0], y.parts[0]),))
 
 
 def sub(b: Operators, K: Value, x: Value, y: Value) -> Value:
-    """x − y."""
     return Value(LONG, (difference(b, K.parts[0], x.parts[0], y.parts[0]),))
 
 
 def neg(b: Operators, K: Value, x: Value) -> Value:
-    """−x."""
     return Value(LONG, (difference(b, K.parts[0], "0", x.parts[0]),))
 
 

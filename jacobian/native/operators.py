@@ -29,18 +29,14 @@ from jacobian.native.kinds import (
 
 ARITHMETIC = {"Add": "add", "Sub": "sub", "Mult": "mul"}
 BITS = {"LShift": "shl", "RShift": "ashr", "BitAnd": "and", "BitOr": "or", "BitXor": "xor"}
-FOLDED: dict[str, Callable[[int, int], Any]] = {
-    "Add": lambda x, y: x + y, "Sub": lambda x, y: x - y, "Mult": lambda x, y: x * y, "Pow": lambda x, y: x**y,
-    "FloorDiv": lambda x, y: x // y, "Mod": lambda x, y: x % y, "LShift": lambda x, y: x << y,
-    "BitAnd": lambda x, y: x & y,
-}  # fmt: skip
 RELATIONS = {"Lt": ("olt", "slt"), "LtE": ("ole", "sle"), "Gt": ("ogt", "sgt"), "GtE": ("oge", "sge"),
              "Eq": ("oeq", "eq"), "NotEq": ("une", "ne")}  # fmt: skip
-
-FOLDED_RELATIONS: dict[str, Callable[[int, int], bool]] = {
-    "Lt": operator.lt, "LtE": operator.le, "Gt": operator.gt, "GtE": operator.ge, "Eq": operator.eq,
-    "NotEq": operator.ne,
+FOLDED: dict[str, Callable[[int, int], int]] = {
+    "Add": operator.add, "Sub": operator.sub, "Mult": operator.mul, "Pow": operator.pow, "Mod": operator.mod,
+    "FloorDiv": operator.floordiv, "LShift": operator.lshift, "BitAnd": operator.and_, "Lt": operator.lt,
+    "LtE": operator.le, "Gt": operator.gt, "GtE": operator.ge, "Eq": operator.eq, "NotEq": operator.ne,
 }  # fmt: skip
+"""The operators and relations that are computed at compile time if both operands are known."""
 
 
 def integer(n: int) -> Value:
@@ -173,13 +169,10 @@ class Operators(Code):
 
     @in_lanes
     def negative(self, x: Value) -> Value:
-        """−x."""
         if x.kind is INT:
-            return (
-                integer(-x.known())
-                if x.is_known
-                else Value(INT, (self.int_binary("Sub", self.literal("i64", "0"), x.parts[0]),))
-            )
+            if x.is_known:
+                return integer(-x.known())
+            return Value(INT, (self.int_binary("Sub", self.literal("i64", "0"), x.parts[0]),))
         return Value(x.kind, tuple(self.fneg(part) for part in x.parts))
 
     @in_lanes
@@ -228,7 +221,6 @@ class Operators(Code):
         return self.write(f"{operation} i128 {x}, {y}")
 
     def float_binary(self, name: str, x: str, y: str) -> str:
-        """:meth:`binary` for floats."""
         if name == "Pow":
             return self.intrinsic("pow", x, y)
         operation = {"Add": "fadd", "Sub": "fsub", "Mult": "fmul", "Div": "fdiv"}.get(name)
@@ -260,12 +252,11 @@ class Operators(Code):
 
     @in_lanes
     def compare(self, name: str, x: Value, y: Value) -> Value:
-        """Whether the relation holds between the values."""
         kind = meeting(x.kind, y.kind)
         if not is_number(kind) or name not in RELATIONS:
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
         if x.is_known and y.is_known:
-            return Value(BOOL, (str(int(FOLDED_RELATIONS[name](x.known(), y.known()))),))
+            return Value(BOOL, (str(int(FOLDED[name](x.known(), y.known()))),))
         x, y = self.cast(x, kind), self.cast(y, kind)
         of_floats, of_integers = RELATIONS[name]
         double, word, bit = self.types[:3]
@@ -321,7 +312,6 @@ class Operators(Code):
 
     @in_lanes
     def absolute(self, x: Value) -> Value:
-        """|x|."""
         if x.kind is FLOAT:
             return Value(FLOAT, (self.intrinsic("fabs", x.parts[0]),))
         head = Value(FLOAT, x.parts[:1]) if x.kind is WIDE else x
@@ -330,7 +320,6 @@ class Operators(Code):
 
     @in_lanes
     def root(self, x: Value) -> Value:
-        """√x."""
         return self.wide("root", x.parts) if x.kind is WIDE else self.function("sqrt", x)
 
     @in_lanes
@@ -360,18 +349,12 @@ class Operators(Code):
         return Value(TupleKind((FLOAT, INT)), (mantissa, self.write(f"sext i32 {exponent} to i64")))
 
     def ldexp(self, x: Value, n: Value) -> Value:
-        """x·2^n."""
         exponent = self.write(f"trunc i64 {self.cast(n, INT).parts[0]} to i32")
         return Value(FLOAT, (self.write(f"call double @ldexp(double {self.float_of(x)}, i32 {exponent})"),))
 
 
-def length(b: Operators, x: Value) -> Value:
-    """len(x)."""
-    return integer(len(x.kind.items)) if isinstance(x.kind, TupleKind) else Value(INT, (x.parts[1],))
-
-
 BUILTINS: dict[Any, Callable[..., Value]] = {
-    len: length,
+    len: lambda b, x: integer(len(x.kind.items)) if isinstance(x.kind, TupleKind) else Value(INT, (x.parts[1],)),
     abs: Operators.absolute,
     float: Operators.rounded,
     int: Operators.whole,

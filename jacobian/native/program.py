@@ -16,7 +16,7 @@ from jacobian.native import direct
 from jacobian.native.code import wide_functions
 from jacobian.native.kinds import NONE, WIDE, ArrayKind, CompileError, TupleKind, Value, single
 from jacobian.native.operators import DECLARED
-from jacobian.native.statements import Statements, returned_type
+from jacobian.native.statements import Statements
 
 
 class Instance(NamedTuple):
@@ -24,11 +24,6 @@ class Instance(NamedTuple):
 
     name: str
     result: Any
-
-    @property
-    def returned(self) -> str:
-        """The LLVM type of the function's result."""
-        return returned_type(self.result)
 
 
 class Program:
@@ -90,14 +85,8 @@ class Program:
         instance = self.instance(function, kinds)
         body, result = Statements(self, function, ""), instance.result
         values, begin = _arguments(body, kinds)
-        call = f"call {instance.returned} @{instance.name}({', '.join(values)})"
-        found = ""
-        if result is NONE:
-            body.lines.append(f"  {call}")
-        else:
-            found = body.write(call)
-        for k, (place, leaf) in enumerate(zip(_places(result.leaves, begin), result.leaves, strict=False)):
-            part = body.write(f"extractvalue {instance.returned} {found}, {k}") if len(result.leaves) > 1 else found
+        parts = body.result_of(instance, values)
+        for place, leaf, part in zip(_places(result.leaves, begin), result.leaves, parts, strict=False):
             if leaf == "i1":
                 leaf, part = "i64", body.write(f"zext i1 {part} to i64")
             there = body.write(f"getelementptr i64, ptr %words, i64 {place}")
@@ -115,7 +104,6 @@ class Program:
         return NONE
 
     def text(self) -> str:
-        """The LLVM text of the module."""
         return "\n".join([DECLARED, self._declared, wide_functions(), *self._texts])
 
     def looked_up(self, module: Any, name: str) -> Any:
@@ -165,11 +153,6 @@ def _arguments(body: Statements, kinds: tuple[Any, ...]) -> tuple[list[str], int
 
 
 @cache
-def _parsed(module: str) -> ast.Module:
-    return ast.parse(Path(str(sys.modules[module].__file__)).read_text(encoding="utf-8"))
-
-
-@cache
 def _written(text: str) -> ast.FunctionDef:
     (function,) = ast.parse(text).body
     assert isinstance(function, ast.FunctionDef)
@@ -179,7 +162,7 @@ def _written(text: str) -> ast.FunctionDef:
 @cache
 def _functions(module: str) -> dict[str, ast.FunctionDef]:
     """The functions of a module and the methods of its classes, by qualified name."""
-    body = _parsed(module).body
+    body = ast.parse(Path(str(sys.modules[module].__file__)).read_text(encoding="utf-8")).body
     parts = [("", body), *((f"{node.name}.", node.body) for node in body if isinstance(node, ast.ClassDef))]
     return {f"{of}{node.name}": node for of, nodes in parts for node in nodes if isinstance(node, ast.FunctionDef)}
 

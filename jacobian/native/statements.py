@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
 from typing import Any
 
 from jacobian.native.code import LANES
@@ -20,6 +19,7 @@ from jacobian.native.kinds import (
     abreast,
     is_abreast,
     meeting,
+    returned_type,
 )  # fmt: skip
 from jacobian.native.operators import integer
 from jacobian.numbers.abreast import abreast as rounds_abreast
@@ -30,7 +30,7 @@ class _Wider(Exception):
 
 
 class Statements(Expressions):
-    """Compiles one function for given argument kinds: ``result`` is the kind of its result, ``text`` its LLVM text.
+    """Compiles one function for given argument kinds; ``result`` is the kind of its result.
 
     A name has one kind that holds all its values. If a later value needs a wider kind than the first, compilation
     starts again.
@@ -86,11 +86,8 @@ class Statements(Expressions):
         for node in body:
             if not self.open:
                 return
-            found = STATEMENTS.get(type(node))
             try:
-                if found is None:
-                    raise CompileError(f"{type(node).__name__} is not compiled")
-                found(self, node)
+                self.compiler_of("do", node)(node)
             except CompileError as error:
                 if error.args and not str(error).startswith("line "):
                     where = f"line {node.lineno} of {self.source.__module__}.{self.source.__name__}"
@@ -100,7 +97,6 @@ class Statements(Expressions):
     # --- assignments
 
     def assign_name(self, name: str, value: Value) -> None:
-        """Stores a value in a variable."""
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
         if name == "_":
@@ -120,7 +116,6 @@ class Statements(Expressions):
         self.keep(self.cast(value, kind), self.variables[name][1])
 
     def assign(self, target: ast.expr, value: Value) -> None:
-        """Assigns a value to the target on the left of =."""
         if isinstance(target, ast.Name):
             self.assign_name(target.id, value)
         elif isinstance(target, ast.Tuple):
@@ -132,7 +127,7 @@ class Statements(Expressions):
             row = self.value(target.value)
             if not isinstance(row.kind, ArrayKind):
                 raise CompileError("items of arrays only are assigned to")
-            self.stored_by_all()
+            self.all_lanes("store to an array")
             self.put(row, self.address(row, target.slice), value)
         else:
             raise CompileError(f"{type(target).__name__} on the left of =")
@@ -150,7 +145,7 @@ class Statements(Expressions):
         operator = type(node.op).__name__
         if isinstance(node.target, ast.Subscript):
             row = self.value(node.target.value)
-            self.stored_by_all()
+            self.all_lanes("store to an array")
             address = self.address(row, node.target.slice)
             self.put(row, address, self.binary(operator, self.element(row, address), self.value(node.value)))
         else:
@@ -181,14 +176,12 @@ class Statements(Expressions):
 
     def end(self, value: Value) -> None:
         """Writes the final instruction, which returns ``value``."""
-        result, returned = value.kind, returned_type(value.kind)
-        if len(value.parts) < 2:
-            self.lines.append(f"  ret {returned} {value.parts[0]}" if value.parts else "  ret void")
-        else:
+        returned, row = returned_type(value.kind), " ".join(value.parts)
+        if len(value.parts) > 1:
             row = "undef"
-            for k, (leaf, part) in enumerate(zip(result.leaves, value.parts, strict=True)):
+            for k, (leaf, part) in enumerate(zip(value.kind.leaves, value.parts, strict=True)):
                 row = self.write(f"insertvalue {returned} {row}, {leaf} {part}, {k}")
-            self.lines.append(f"  ret {returned} {row}")
+        self.lines.append(f"  ret {returned} {row}")
 
     def give_back_lanes(self, value: Value) -> None:
         """Records the results of the lanes in the mask until all lanes have returned."""
@@ -260,24 +253,19 @@ class Statements(Expressions):
     def do_pass(self, node: ast.Pass) -> None:
         pass
 
+    def all_lanes(self, what: str) -> None:
+        """Raises CompileError if only some lanes are active: all leave a round together, and a store writes all."""
+        if self.mask is not None:
+            raise CompileError(f"only some lanes {what}")
+
     def do_break(self, node: ast.Break) -> None:
-        self.all_lanes()
+        self.all_lanes("leave a round of a loop")
         self.go(self.loops[-1][1])
         self.loops[-1].append("broken")
         self.open = False
 
-    def stored_by_all(self) -> None:
-        """Raises CompileError if only some lanes are active, because a store would write the other lanes too."""
-        if self.mask is not None:
-            raise CompileError("some lanes only store to an array")
-
-    def all_lanes(self) -> None:
-        """Raises CompileError if only some lanes are active."""
-        if self.mask is not None:
-            raise CompileError("some lanes leave a round of a loop")
-
     def do_continue(self, node: ast.Continue) -> None:
-        self.all_lanes()
+        self.all_lanes("leave a round of a loop")
         self.go(self.loops[-1][0])
         self.open = False
 
@@ -290,13 +278,15 @@ class Statements(Expressions):
             self.go(body)
         else:
             self.split(self.condition(node.test), body, end)
-        self.open = self.around(node.body, body, again, end) or not forever
+        self.begin(body)
+        self.open = self.around(node.body, again, end) or not forever
         if self.open:
             self.begin(end)
 
-    def around(self, statements: list[ast.stmt], label: str, again: str, end: str) -> bool:
-        """Compiles the body of a loop; returns whether it contains a break."""
-        self.begin(label)
+    def around(self, statements: list[ast.stmt], again: str, end: str) -> bool:
+        """Compiles the body of a loop, which ``continue`` leaves to the block ``again`` and ``break`` to the block
+        ``end``; returns whether it contains a break.
+        """
         self.loops.append([again, end])
         self.block(statements)
         if self.open:
@@ -334,9 +324,7 @@ class Statements(Expressions):
             self.go(body)
             self.begin(body)
             self.assign(node.target, item)
-            into = self.labels("into")[0]
-            self.go(into)
-            self.around(node.body, into, again, end)
+            self.around(node.body, again, end)
             self.begin(again)
         self.go(end)
         self.begin(end)
@@ -360,33 +348,8 @@ class Statements(Expressions):
         self.split(self.compare("Lt" if step.known() > 0 else "Gt", i, stop).parts[0], body, end)
         self.begin(body)
         self.assign(node.target, item(i))
-        (into,) = self.labels("into")
-        self.go(into)
-        self.around(node.body, into, again, end)
+        self.around(node.body, again, end)
         self.begin(again)
         self.keep(self.binary("Add", self.loaded(INT, counter), step), counter)
         self.go(check)
         self.begin(end)
-
-
-def returned_type(kind: Any) -> str:
-    """The LLVM type of a function's result."""
-    leaves = kind.leaves
-    if len(leaves) < 2:
-        return str(leaves[0]) if leaves else "void"
-    return "{" + ", ".join(leaves) + "}"
-
-
-STATEMENTS: dict[type[ast.stmt], Callable[..., None]] = {
-    ast.Assign: Statements.do_assign,
-    ast.AnnAssign: Statements.do_annassign,
-    ast.AugAssign: Statements.do_augassign,
-    ast.Expr: Statements.do_expr,
-    ast.Return: Statements.do_return,
-    ast.If: Statements.do_if,
-    ast.Pass: Statements.do_pass,
-    ast.Break: Statements.do_break,
-    ast.Continue: Statements.do_continue,
-    ast.While: Statements.do_while,
-    ast.For: Statements.do_for,
-}

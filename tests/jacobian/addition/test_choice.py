@@ -8,7 +8,7 @@ import pytest
 
 from jacobian import GF, QQ, RR, HyperellipticCurve
 from jacobian.addition import calls, choice
-from jacobian.addition.calls import LineKernel, TwoWordKernel, WordKernel
+from jacobian.addition.calls import ExplicitKernel, TwoWordKernel, WordKernel
 from jacobian.addition.choice import Counted, compiled_kernel, costs, is_two_words_long, kernel, python_kernel
 from jacobian.addition.explicit import GmpFormulas, PrimeFormulas
 from jacobian.native.library import Library
@@ -41,7 +41,7 @@ def test_work_makes_the_change(fresh):
     assert owner(J) is Counted
     counted = J._sum_of
     sums += [E := E + D for _ in range(300)]
-    assert owner(J) is LineKernel
+    assert owner(J) is ExplicitKernel
     assert J._double.__self__ is J._multiple.__self__ is J._sum_of.__self__
     # a kept reference to the old kernel leads to the new one
     assert counted.__self__._sum_of == J._sum_of
@@ -93,7 +93,7 @@ def test_multiples_are_counted_by_their_length(fresh):
     assert owner(J) is Counted
     for _ in range(3):
         assert m * D == expected
-    assert owner(J) is LineKernel
+    assert owner(J) is ExplicitKernel
     assert J.explain().endswith("explicit formulas, and Cantor in special positions")
 
 
@@ -106,7 +106,7 @@ def test_a_group_of_few_additions_stays_as_it_is(fresh):
         D = D.double()
     assert owner(J) is Counted
     D.double()
-    assert owner(J) is LineKernel
+    assert owner(J) is ExplicitKernel
 
 
 def test_binary_fields_of_two_words_are_compiled():
@@ -171,7 +171,7 @@ def test_a_moved_model_is_compiled_too():
     every = list(J.points())
     sums = [D + E for D in every for E in every[:5]]
     J.compile()
-    assert owner(J) in (WordKernel, LineKernel)
+    assert owner(J) in (WordKernel, ExplicitKernel)
     assert [D + E for D in every for E in every[:5]] == sums
 
 

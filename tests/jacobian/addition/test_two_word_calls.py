@@ -84,7 +84,7 @@ def test_special_classes_of_long_fields(name, model):
         assert kernel.double(a) == cantor.double(C, a)
         for m in (1, 2, 3, 8, rng.getrandbits(bits) + 1):
             assert kernel.multiple(m, a) == python_kernel(C).multiple(m, a), (m, a)
-    assert kernel.double(triples[0]) == cantor.zero(C)
+    assert kernel.double(triples[0]) == triple(C.jacobian().zero())
 
 
 CURVES = {f"{name}, {model}": short_curve(K, model, "walk") for name, K in LONG.items() for model in MODELS}

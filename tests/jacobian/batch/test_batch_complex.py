@@ -8,10 +8,8 @@ import pytest
 
 from jacobian import (
     CC,
-    GF,
     MP,
     RR,
-    ArgumentError,
     Divisor,
     HyperellipticCurve,
     NotOnCurve,
@@ -314,17 +312,6 @@ def test_large_arrays_go_over_the_threads(name):
     index = np.resize(np.arange(7), 3 * RANGE)
     total = few[index] + few[7]
     assert (total == (few + few[7])[index]).all()
-
-
-def test_what_is_refused():
-    for curve in (
-        HyperellipticCurve(GF(7), [0, 1, 0, 0, 0, 1]),
-        HyperellipticCurve(CC, [1.0, 1.0, 0.0, 1.0]),
-        # ramified, of degree 6
-        HyperellipticCurve(CC, [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0], [0.0, 0.0, 0.0, 2.0]),
-    ):
-        with pytest.raises(ArgumentError, match="curve ="):
-            FloatSums(curve)
 
 
 @pytest.mark.parametrize("K", [RR, pytest.param(CC, marks=pytest.mark.slow)], ids=str)

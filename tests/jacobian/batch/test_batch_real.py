@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 from jacobian import (
-    GF,
     MP,
     QQ,
     RR,
-    ArgumentError,
     Divisor,
     FieldError,
     HyperellipticCurve,
@@ -110,21 +108,6 @@ def test_sums_that_drop_in_weight_are_reported(name):
     assert doubtful.tolist() == [True, True, False]
     true = columns([J.from_points([P, R])])[:, 0]
     assert np.abs(found[:, 2] - true).max() < 1e-12 * max(1, *abs(true))
-
-
-def test_what_is_refused():
-    quintic = [0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
-    for curve in (
-        HyperellipticCurve(GF(7), [0, 1, 0, 0, 0, 1]),
-        HyperellipticCurve(RR, [1.0, 1.0, 0.0, 1.0]),
-        HyperellipticCurve(RR, [1.0, *[0.0] * 6, 1.0]),
-    ):
-        with pytest.raises(ArgumentError, match="curve ="):
-            FloatSums(curve)
-    sums = FloatSums(HyperellipticCurve(RR, quintic))
-    for shape, other in (((4, 3), (4, 2)), ((3, 4), (3, 4)), ((4,), (4, 1)), ((4, 3), (4,))):
-        with pytest.raises(ArgumentError, match="first and second"):
-            sums.add(np.ones(shape), np.ones(other))
 
 
 # --- DivisorArray -----------------------------------------------------------------------------------------------------

@@ -392,7 +392,7 @@ def some_lanes_store(row):
         (recursive, INT, "calls itself"),
         (negative_index, FLOATS, "negative indices"),
         (into_integers, INTS, "into an array of"),
-        (some_lanes_store, FLOATS, "some lanes only store"),
+        (some_lanes_store, FLOATS, "only some lanes store"),
         (long_and_float, LONG, "for Kind"),
         (long_quotient, LONG, "FloorDiv of longs"),
     ],
