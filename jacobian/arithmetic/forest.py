@@ -138,13 +138,12 @@ def _product(factors: list[Any]) -> Any:
 
 
 def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
-    """The matrix times the window, modulo ``modulus``."""
     column = matrix * fmpz_mat(len(window), 1, window)
     return [c % modulus for c in column.entries()]
 
 
 def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
-    """The windows at the beginnings of the leaves, modulo their moduli, from the window at the beginning of the tree."""
+    """The windows at the beginnings of the blocks, modulo their moduli, from that at the beginning of the tree."""
     above = [window]
     for level in range(len(modules) - 2, -1, -1):
         here = []

@@ -116,7 +116,6 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(failure)
 
     def _on_field(self, field: Field) -> AbelMap:
-        """The map over another field, cached."""
         if field not in self._others:
             convert = working_numbers(field).convert
             # roots with fewer digits than the field are computed again

@@ -81,16 +81,12 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
 
 def _equations(tau: Any, g: int) -> list[list[Any]]:
     """The images b + τd − aτ − τcτ of the matrices R = (a, b; c, d) with a single entry 1, in the order a, b, c, d."""
-    rows = []
-    for block, i, j in product("abcd", range(g), range(g)):
-        entry = {
-            "a": lambda k, m, i=i, j=j: -tau[j][m] if k == i else 0,
-            "b": lambda k, m, i=i, j=j: int((k, m) == (i, j)),
-            "c": lambda k, m, i=i, j=j: -tau[k][i] * tau[j][m],
-            "d": lambda k, m, i=i, j=j: tau[k][i] if m == j else 0,
-        }[block]
-        rows.append([entry(k, m) + 0 * tau[0][0] for k, m in product(range(g), repeat=2)])
-    return rows
+    from flint import acb_mat
+
+    t = acb_mat(tau)
+    units = [acb_mat([[int((k, m) == at) for m in range(g)] for k in range(g)]) for at in product(range(g), repeat=2)]
+    images = [[-E * t for E in units], units, [-t * E * t for E in units], [t * E for E in units]]
+    return [image.entries() for block in images for image in block]
 
 
 def _relations(rows: Sequence[Sequence[Any]], digits: int) -> list[list[int]]:

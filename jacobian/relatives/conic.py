@@ -8,9 +8,10 @@ zeros
 
 form another member of the pencil, one for every c. The *step* through a plane point (x₀, y₀) takes c = (y₀ −
 V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞. The step through (0, 0) is
-Tsiganov's addition in Pic Y. At the points over x₀ the function y − P has the values of y − y₀. The step therefore adds
-the class of y − y₀ in the generalized Jacobian whose modulus is the fibre over x₀. It leaves the class in the Jacobian
-unchanged. Steps at one x₀ compose by the group law of :class:`jacobian.relatives.fibre.FibreGroup`,
+what Tsiganov calls addition in Pic Y, Y being the curve y = P(x). At the points over x₀ the function y − P has the
+values of y − y₀. The step therefore adds the class of y − y₀ in the generalized Jacobian whose modulus is the fibre
+over x₀. It leaves the class in the Jacobian unchanged. Steps at one x₀ compose by the group law of
+:class:`jacobian.relatives.fibre.FibreGroup`,
 
     y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)).
 

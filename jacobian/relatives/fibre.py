@@ -76,7 +76,6 @@ class FibreGroup(Immutable):
         return self.normal(c)
 
     def _checked(self, c: Any, argument: str = "c") -> Unit:
-        """The class of a pair (a, b) given by a caller, or ArgumentError."""
         wanted = "a class (a, b), a pair of elements of the field,"
         pair = entries(c, argument, wanted)
         if len(pair) != 2:

@@ -50,7 +50,7 @@ class GeneralizedJacobian(Jacobian):
         return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
 
     def _check_representable(self) -> None:
-        """Every curve that the constructor accepts is representable."""
+        """Accepts every curve that the constructor accepts."""
 
     def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> Divisor:
         """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""

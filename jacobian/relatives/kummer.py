@@ -107,31 +107,31 @@ class KummerSurface(Immutable):
 
         They are unique modulo the equation of the surface if the coefficient of ξ₄⁴ in δ₄ is 1.
         """
-        whole = self.integers(4 * len(MONOMIALS), self._delta_modulo)
-        rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
+        rows = self.integers(len(MONOMIALS), self._delta_modulo)
         return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
 
-    def integers(self, count: int, modulo: Callable[[Jacobian], list[int]]) -> list[int]:
-        """``count`` integers, known to be integral polynomials of degree 4 in the coefficients of f, from residues.
+    def integers(self, width: int, modulo: Callable[[Jacobian], list[int]]) -> list[list[int]]:
+        """Integers, known to be integral polynomials of degree 4 in the coefficients of f, in rows of this width.
 
-        ``modulo(J)`` returns the residues modulo p, J being the Jacobian of y² = f(x) over GF(p).
+        ``modulo(J)`` returns their residues modulo p in one list, J being the Jacobian of y² = f(x) over GF(p).
         """
         size = max(map(abs, self.f)) ** 4
-        modulus, residues = 1, [0] * count
+        modulus, residues = 1, list[int]()
         for J in self._reductions():
             p, found = J.field.characteristic, modulo(J)
             step = pow(modulus, -1, p)
-            residues = [r + modulus * ((c - r) * step % p) for r, c in zip(residues, found, strict=True)]
+            known = residues or [0] * len(found)
+            residues = [r + modulus * ((c - r) * step % p) for r, c in zip(known, found, strict=True)]
             modulus *= p
             if modulus > size << (2 * SPARE_BITS):
                 break
         whole = [r - modulus if 2 * r > modulus else r for r in residues]
         if max(map(abs, whole)) > size << SPARE_BITS:
             raise Infeasible(f"{self.curve!r}: the forms of its Kummer surface were not found")
-        return whole
+        return [whole[i : i + width] for i in range(0, len(whole), width)]
 
     def _reductions(self) -> Iterator[Jacobian]:
-        """Yields the Jacobians of y² = f(x) over GF(p) for primes p of good reduction just below 2⁶¹."""
+        """Yields the Jacobians of y² = f(x) over GF(p) for primes p of good reduction, descending from 2⁶¹ − 1."""
         for p in filter(is_prime, range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2)):
             try:
                 C = HyperellipticCurve(GF(p), [c % p for c in self.f])

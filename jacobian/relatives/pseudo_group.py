@@ -258,9 +258,7 @@ def biquadratic(surface: KummerSurface) -> list[list[int]]:
 
     The term (k, l) is q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y) for k = l, q_k being the quadratic monomials.
     """
-    size = len(TERMS)
-    whole = surface.integers(len(INDICES) * size, lambda J: biquadratic_modulo(surface, J))
-    return [whole[i : i + size] for i in range(0, len(whole), size)]
+    return surface.integers(len(TERMS), lambda J: biquadratic_modulo(surface, J))
 
 
 def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
