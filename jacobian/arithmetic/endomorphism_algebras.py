@@ -164,9 +164,7 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """Raises PrecisionLoss if the L-polynomial excludes these endomorphisms: ``geometric``, their rank over ℂ, and
-    ``rational``, those over QQ.
-    """
+    """Raises PrecisionLoss if L_p excludes the rank ``geometric`` over ℂ or the endomorphisms ``rational``."""
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):
@@ -224,9 +222,7 @@ def _endomorphisms_of(frobenius: Any) -> int:
 
 
 def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
-    """Squarefree d such that End⁰(J) = QQ or End⁰(J) contains QQ(√d), in genus 1 and 2; after two, the search ends,
-    because two different d prove that End⁰(J) = QQ.
-    """
+    """Squarefree d such that End⁰(J) is QQ or contains QQ(√d), in genus 1 and 2; two of them prove End⁰(J) = QQ."""
     found: set[int] = set()
     for p, L in polynomials:
         if len(L) == 3 and L[1] % p:

@@ -29,9 +29,7 @@ from flint import fmpz, fmpz_mat, fmpz_poly
 BLOCK = 1 << 14
 """The number of integers in a block. Smaller blocks make the trees slower, larger ones the walks."""
 WALKED_TO = 1 << 18
-"""If no prime exceeds this number, a single block is walked without a tree, which takes no longer (``python -m
-benchmarks l_polynomials``).
-"""
+"""If no prime exceeds this, one block without a tree is as fast (``python -m benchmarks l_polynomials``)."""
 TREE = 8
 """The number of blocks in a tree. More blocks take more memory; fewer blocks mean more trees, each of which computes a
 window modulo all later primes.

@@ -110,9 +110,7 @@ class LPolynomials:
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
     def to_parquet(self, path: File) -> None:
-        """Writes the columns p, a1, …, ag as Parquet; curve, bound and bad primes are metadata. Needs pyarrow (extra
-        io).
-        """
+        """Writes Parquet as in :meth:`columns`, curve, bound and bad primes as metadata; needs pyarrow (extra io)."""
         parquet, arrow = _needed("pyarrow.parquet"), _needed("pyarrow")
         said = {"curve": repr(self.curve), "bound": str(self.bound), "bad": " ".join(map(str, self.bad))}
         parquet.write_table(arrow.table(self.columns()).replace_schema_metadata(said), str(path_of(path)))

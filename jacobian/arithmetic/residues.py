@@ -146,9 +146,7 @@ def _scale(moved: list[list[int]], p: Any, start: int, product: Any) -> Any:
 
 
 def _from_first_rows(rows: Any, shifts: list[int], primes: Any) -> Any:
-    """The matrices W from the first rows r(a) for the translates, by interpolation of r(a)·T(a) = Σ a^(i−1)·(row i of
-    W).
-    """
+    """The matrices W from first rows r(a) for F(x + a), by interpolation: r(a)·T(a) = Σ a^(i−1)·(row i of W)."""
     g = len(shifts)
     moved = np.zeros_like(rows)
     p = primes[:, None]

@@ -32,9 +32,7 @@ POINTS = 64
 EXPONENTS = {1: ((2, 0), (4, 0), (6, 0)), 2: ((2, 0), (4, 0), (0, 1), (0, 2), (0, 3), (0, 4), (2, 1), (2, 2))}
 """The (i, j) for which the means of a_1^i·a_2^j are compared, by genus."""
 ATOMS = (-2, -1, 0, 1, 2)
-"""The values of a_2/p that have a positive probability in some groups where a_1 = 0; their frequencies are compared
-too.
-"""
+"""The values of a_2/p that some groups take with positive probability where a_1 = 0; their frequencies are compared."""
 FROM = 200
 """Primes up to this one are left out, because their a_i take few values."""
 SLACK = 0.005
@@ -274,9 +272,7 @@ def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
 
 
 def _square(off: Any, covariance: Any, count: int, root: float) -> float:
-    """χ² of the means over ``count`` primes, which differ from the expected ones by ``off``; ``root``: the mean of
-    1/√p.
-    """
+    """χ² of means over ``count`` primes that are ``off`` from the expected ones; ``root``: the mean of 1/√p."""
     slack = SLACK * np.sqrt(np.diag(covariance)) + 1e-6
     # the integer a_1 may be 0 by chance, with a probability of the order of 1/√p
     slack[-len(ATOMS) - 1 :] += RARE * root

@@ -170,9 +170,7 @@ def _trace(inclusion: Any, x: Any, k: int) -> Any:
 
 
 def _null_vector(K: Field, rows: list[list[Any]]) -> Matrix | None:
-    """The only solution of a system for (a : b : c : d), the first non-zero number being 1; None if there is no or more
-    than one solution, or if ad = bc.
-    """
+    """The solution (a : b : c : d), its first non-zero number being 1; None if it is not unique, or if ad = bc."""
     pivots = echelon(K, rows, 4)
     if len(pivots) != 3:
         return None

@@ -57,9 +57,7 @@ class RichelotIsogeny(Immutable):
         return pushed(self.source, self.target, D, self._family)
 
     def _family(self, L: Field, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
-        """The pair (U_t, V_t) on the target that is the image of the point (t, v(t)), t in L[t]/u; None if this is not
-        defined for both points of (u, v).
-        """
+        """The image (U_t, V_t) of (t, v(t)), t in L[t]/u; None if it is not defined at both points of (u, v)."""
         family = Family(L, u)
         (G1, G2), (H1, H2) = (map(move, pair[:2]) for pair in (self.quadratics, self.images))
         g1, g2 = family.reduced(G1), family.reduced(G2)
@@ -241,7 +239,7 @@ def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
     """
     jacobian = next(filter(None, (_bracket(K, a, b) for a, b in combinations(quadratics, 2))))
     degree, fixed = len(jacobian) - 1, roots(K, jacobian)
-    if len(fixed) != degree or degree == 0:
+    if len(fixed) != degree:
         raise FieldError(
             f"field = {K.name}: the elliptic curves are conjugate, over the field of the roots of "
             f"{poly.text(K, jacobian)}: C.change_ring takes C there"

@@ -173,17 +173,13 @@ class AbelMap(AbelImage):
 
         PrecisionLoss if it does not converge within the steps ``allowed``.
         """
-        g, numbers = self.curve.genus, self.cover.numbers
-        digits = numbers.digits
-        if len(points) != g:
-            raise PrecisionLoss(f"a divisor of weight {len(points)} < g = {g} came up")
-        last = size = None
+        numbers, last, size = self.cover.numbers, None, None
         for _ in allowed:
             gap = self._gap(points, target)
             size = max(abs(c) for c in self.periods.coordinates(gap))
-            if size < (tolerance or numbers.ten(3 - digits)) or (
-                last is not None and last <= size < numbers.ten(6 - digits)
-            ):
+            if size < (tolerance or numbers.ten(3 - numbers.digits)):
+                return points
+            if last is not None and last <= size < numbers.ten(6 - numbers.digits):
                 return points
             if last is not None and size > 2 * last:
                 break

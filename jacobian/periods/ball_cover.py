@@ -35,11 +35,11 @@ class BallCover(BranchedCover):
             self.real = imaginary.degree() < 0
             self.lead = self.coefficients[-1]
             self.roots = ball_roots(self.numbers, real, imaginary)
-            if len(self.roots) != len(self.coefficients) - 1:
-                raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
             for e, other in combinations(self.roots, 2):
                 # at this distance decisions made in doubles are right
                 if not 2**30 * (e.rad() + other.rad()) < abs(e - other):
+                    if self.real and real.gcd(real.derivative()).degree() > 0:
+                        raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
                     raise PrecisionLoss(f"the branch points {e} and {other} are not separated; use more digits")
         self._rough = [complex(e) for e in self.roots]
 
@@ -77,9 +77,7 @@ class BallCover(BranchedCover):
         return [(x - y) / numbers.pi for x, y in zip(below, above, strict=True)]
 
     def tree(self) -> list[tuple[int, int]]:
-        """The edges of the tree, chosen in floats; two edges are proven to be disjoint or to have only an end in
-        common.
-        """
+        """The edges of the tree, chosen in floats and proven to have at most an end in common."""
         edges = super().tree()
         for first, second in combinations(edges, 2):
             if not set(first) & set(second) and not (self._aside(first, second) or self._aside(second, first)):

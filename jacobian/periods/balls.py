@@ -110,7 +110,7 @@ class BallNumbers(Numbers):
 
         ``rate`` is not used.
         """
-        pieces, total = [(0.0, 1.0)], None
+        pieces, total = [(0.0, 1.0)], list[Any]()
         while pieces:
             start, end = pieces.pop()
             part = self._piece(ratios, forms, start, end)
@@ -118,8 +118,8 @@ class BallNumbers(Numbers):
                 middle = (start + end) / 2
                 pieces += [(start, middle), (middle, end)]
             else:
-                total = part if total is None else plus(total, part)
-        return total or []
+                total = plus(total, part) if total else part
+        return total
 
     def _piece(self, ratios: Vector, forms: Forms, start: float, end: float) -> Vector | None:
         """The integral from ``start`` to ``end``, or None where that takes too many nodes."""

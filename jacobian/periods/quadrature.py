@@ -173,13 +173,13 @@ def path_from(
 def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios: Vector, forms: Forms) -> Vector:
     """Σ weight · forms(s²)/Π√(1 − s²·ratio) over the nodes s."""
     rough = [complex(ratio) for ratio in ratios]
-    total: Vector | None = None
+    total: Vector = []
     for s, weight in zip(nodes, weights, strict=True):
         square = s * s
         factor = weight / _root_of_product(numbers, ratios, rough, square)
         terms = [factor * f for f in forms(square)]
-        total = terms if total is None else [t + f for t, f in zip(total, terms, strict=True)]
-    return total or []
+        total = [t + f for t, f in zip(total, terms, strict=True)] if total else terms
+    return total
 
 
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:

@@ -36,9 +36,7 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The cycles and the half-periods of the curve with these five roots, which are given in the order of the vertices
-    of a simple polygon.
-    """
+    """The cycles and half-periods of the curve with these five roots, in the order of a simple polygon's vertices."""
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
         cycles = cycles_of(sides, signs)
@@ -64,9 +62,7 @@ def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods
 
 
 def cycles_of(sides: Sequence[Vector], signs: Sequence[int]) -> list[Vector]:
-    """The cycles a₁, a₂, b₁, b₂ from the lifts of the sides of the polygon; ``signs`` are those of y on the sides after
-    the first.
-    """
+    """The cycles a₁, a₂, b₁, b₂ from the lifts of the polygon's sides; ``signs``: of y on the sides after the first."""
     a, b, c, d = ((2 * s * x, 2 * s * y) for s, (x, y) in zip((1, *signs), sides, strict=True))
     return [a, (a[0] + c[0], a[1] + c[1]), b, d]
 
@@ -126,9 +122,7 @@ def real_basis(found: Periods) -> Periods:
 
 @cache
 def real_cycles(rows: tuple[Whole, Whole, Whole, Whole]) -> tuple[Whole, Whole, Whole, Whole]:
-    """Coordinates of a symplectic basis a₁, a₂, b₁, b₂ with real a₁ and a₂ in a given one; ``rows``: the coordinates of
-    the conjugates of the given cycles.
-    """
+    """A symplectic basis with real a₁, a₂, in coordinates; ``rows``: those of the conjugates of the cycles given."""
     few = range(-2, 3)
     small = sorted(((a, b, c, d) for a, b, c, d in product(few, few, few, few)), key=lambda v: sum(x * x for x in v))
     fixed = [v for v in small if any(v) and all(sum(v[i] * rows[i][j] for i in range(4)) == v[j] for j in range(4))]

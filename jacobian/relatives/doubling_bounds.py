@@ -29,9 +29,7 @@ QUADRATIC = [tuple(chosen.count(i) for i in range(4)) for chosen in combinations
 
 
 def bad_part(surface: KummerSurface) -> int:
-    """|2⁴ disc(f)|, f as a binary sextic: the common divisor of the four δ_i(x) divides it for every primitive x of the
-    surface (Stoll 1999, theorem 6.1).
-    """
+    """|2⁴ disc(f)|, f as a sextic: a multiple of gcd(δ_i(x)) for primitive x (Stoll 1999, theorem 6.1)."""
     from flint import fmpz_poly
 
     discriminant = int(fmpz_poly(list(surface.f)).discriminant())

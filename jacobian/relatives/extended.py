@@ -264,9 +264,7 @@ class Lift(NamedTuple):
     e: Any
 
     def of(self, group: ExtendedGroup, u: poly.Poly, v: poly.Poly, sigma: Any = None) -> Any:
-        """The datum of the pair (u, v) with κ = u(e) and σ = 1, or with the given σ and κ = u(e)/σ²; u(e) must not be
-        0.
-        """
+        """The datum of the pair (u, v) with σ = 1 or the given σ, and κ = u(e)/σ²; u(e) must not be 0."""
         K = group.field
         value = poly.evaluate(K, u, self.e)
         sigma = K.one if sigma is None else sigma

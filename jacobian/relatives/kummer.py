@@ -66,9 +66,6 @@ class KummerSurface(Immutable):
     def _value(self) -> tuple[object, ...]:
         return (self.curve,)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return KummerSurface, self._value()
-
     def __repr__(self) -> str:
         return f"Kummer surface of {self.curve!r}"
 

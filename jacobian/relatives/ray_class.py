@@ -59,9 +59,6 @@ class RayClassGroup(Immutable):
     def _value(self) -> tuple[object, ...]:
         return (self.fibre,)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return _group, (self.curve, None if self.x0 is None else self.field.key(self.x0))
-
     # --- elements
 
     def zero(self) -> RayClass:
@@ -230,8 +227,8 @@ class RayClass(Immutable):
     def __init__(self, group: RayClassGroup, divisor: Divisor, unit: Unit) -> None:
         self.group, self.divisor, self.unit = group, divisor, unit
 
-    def _value(self) -> tuple[Any, ...]:
-        return self.group, self.divisor, tuple(map(self.group.field.key, self.unit))
+    def _value(self) -> tuple[object, ...]:
+        return self.group, self.divisor, self.unit
 
     def _compatible(self, other: RayClass) -> RayClass:
         if other.group != self.group:
@@ -275,16 +272,3 @@ class RayClass(Immutable):
     def __repr__(self) -> str:
         a, b = self.unit
         return f"({self.divisor!r}; {a} : {b})"
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return _class, self._value()
-
-
-def _group(curve: HyperellipticCurve, key: Any) -> RayClassGroup:
-    K: Any = curve.field
-    return RayClassGroup(curve, None if key is None else K.from_key(key))
-
-
-def _class(group: RayClassGroup, divisor: Divisor, keys: Any) -> RayClass:
-    a, b = map(group.field.from_key, keys)
-    return RayClass(group, divisor, (a, b))

@@ -232,9 +232,7 @@ class SignedGroup(Immutable):
         return Row(divisor, first, terms), Row(divisor, second, lower_terms)
 
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
-        """(σ'', ν'') from the formulas with either summand: from one with divisor ≠ 0, or over an inexact field the
-        least-squares solution of both.
-        """
+        """(σ'', ν'') from either summand with divisor ≠ 0, or over an inexact field by least squares from both."""
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
         if not used:

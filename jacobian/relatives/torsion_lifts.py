@@ -85,9 +85,7 @@ class TorsionLifts:
         self.equation = equation(self.surface.f)
 
     def lifted(self, T: Divisor, m: int) -> Divisor | None:
-        """A rational class that reduces to T or −T and whose order divides m; None if there is none. 2T ≠ 0 and p ∤ m
-        are required.
-        """
+        """A rational class that reduces to ±T and whose order divides m, or None. 2T ≠ 0 and p ∤ m are required."""
         x = list(self.reduced.point(T))
         # modulo p the surface is that of y² = F = h² + 4f, over QQ that of y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
@@ -132,9 +130,7 @@ class TorsionLifts:
         )
 
     def _integers(self, x: list[int], modulus: int) -> list[int] | None:
-        """The primitive integral point with coordinates of at most ``bits`` bits that x modulo ``modulus`` can be, or
-        None: there is at most one.
-        """
+        """The primitive integers of at most ``bits`` bits that x can be modulo ``modulus``, unique, or None."""
         fractions = [rational_of(c, modulus, 1 << self.bits) for c in x]
         if None in fractions:
             return None
