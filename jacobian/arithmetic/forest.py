@@ -20,7 +20,9 @@ the time of 91 products of such integers (``python -m benchmarks l_polynomials``
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from operator import mul
 from typing import Any, NamedTuple
 
@@ -50,14 +52,9 @@ class Block(NamedTuple):
 
 def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
     """All blocks of ``size`` integers up to the last prime, in order, including blocks without primes."""
-    found, first = [], 0
-    for begin in range(0, primes[-1], size):
-        last = first
-        while last < len(primes) and primes[last] <= begin + size:
-            last += 1
-        found.append(Block(begin, first, last))
-        first = last
-    return found
+    begins = range(0, primes[-1], size)
+    ends = pairwise([0, *(bisect_right(primes, begin + size) for begin in begins)])
+    return [Block(begin, first, last) for begin, (first, last) in zip(begins, ends, strict=True)]
 
 
 class Tree(NamedTuple):

@@ -97,40 +97,38 @@ class KleinianFunctions(Immutable):
         u, v = ([numbers.convert(c) for c in row] for row in (found.u, found.v))
         if len(u) < 3:
             raise PrecisionLoss(f"z = {shown(z)}: the functions have poles there, or nearly")
-        half_h = [numbers.convert(c) / 2 for c in self.abel.curve.h]
-        quotient = _Quotient(u)
-        V = plus([*v, 0, 0][:2], quotient.reduced(half_h))
-        return _Divisor(quotient, V, [numbers.convert(c) for c in self._image.cover.coefficients])
+        return _Divisor(u, v, [numbers.convert(c) / 2 for c in self.abel.curve.h])
 
     def _wp(self, at: _Divisor) -> Vector:
-        Q, F = at.quotient, [*at.F, *[0] * (7 - len(at.F))]
-        s, p = Q.s, Q.p
-        w = Q.divided([c - d for c, d in zip(F, [*_square(at.V), *[0] * 4], strict=True)])
+        numbers, coefficients = self._image.cover.numbers, self._image.cover.coefficients
+        F = [*map(numbers.convert, coefficients), *[0] * (7 - len(coefficients))]
+        s, p, (v0, v1) = at.s, at.p, at.V
+        w = at.divided([c - d for c, d in zip(F, [v0 * v0, 2 * v0 * v1, v1 * v1, *[0] * 4], strict=True)])
         both = -(w[0] + p * w[2] + p * p * w[4]) / 4
         if self.branch_point is None:
             return [both, -F[5] * p / 4, F[5] * s / 4]
         e = self._image.cover.roots[self.branch_point]
         odd, even = [0, *F[1::2], 0], F[::2]
         polar = [2 * even[i] * e**i + odd[i + 1] * e ** (i + 1) + (odd[i] * e ** (i - 1) if i else 0) for i in range(4)]
-        inverse = Q.inverse(e)
-        b, a = Q.times(Q.reduced([c / 4 for c in polar]), Q.times(inverse, inverse))
-        p22 = (both - b + (e - s) * a) / horner(Q.u, e)
+        inverse = at.inverse(e)
+        b, a = at.times(at.reduced([c / 4 for c in polar]), at.times(inverse, inverse))
+        p22 = (both - b + (e - s) * a) / horner(at.u, e)
         return [b - e * a + e * e * p22, a - e * p22, p22]
 
     def _algebraic(self, at: _Divisor) -> Vector:
         """The algebraic part of (ζ_1, ζ_2): ½ Σ Y_k·c_j(x_k)/Π′(x_k)."""
         if self.branch_point is None:
             return [at.V[1] / 2, 0]
-        Q, e = at.quotient, self._image.cover.roots[self.branch_point]
-        over = Q.times(at.V, Q.inverse(e))
-        return [Q.times(over, [-e - Q.s, 2])[1] / 2, over[1] / 2]
+        e = self._image.cover.roots[self.branch_point]
+        over = at.times(at.V, at.inverse(e))
+        return [at.times(over, [-e - at.s, 2])[1] / 2, over[1] / 2]
 
     def _integrals(self, at: _Divisor) -> tuple[Vector, Vector]:
         """Σ ∫ of x^k dx/Y, k < 2, and of ρ_1, ρ_2 from branch point 0 to both points, along the same paths."""
         cover = self._image.cover
         powers: Vector = [0] * 5
-        middle = at.quotient.s / 2
-        beside = cover.numbers.sqrt(middle * middle - at.quotient.p)
+        middle = at.s / 2
+        beside = cover.numbers.sqrt(middle * middle - at.p)
         for x in (middle + beside, middle - beside):
             i, values = from_branch_point(
                 cover.numbers, cover.roots, cover.lead, (x, horner(at.V, x)), lambda t: [t**k for k in range(5)]
@@ -155,19 +153,15 @@ class KleinianFunctions(Immutable):
         return found
 
 
-class _Divisor(NamedTuple):
-    """The divisor P_1 + P_2: the ring of polynomials modulo u, the interpolant V of Y modulo u, and F."""
+class _Divisor:
+    """The divisor P_1 + P_2 as (u, V), V = v + h/2 modulo u, and the ring of polynomials modulo u = x² − s·x + p.
 
-    quotient: _Quotient
-    V: Vector
-    F: Vector
+    Elements of the ring are two coefficients, ascending.
+    """
 
-
-class _Quotient:
-    """The ring of polynomials modulo u = x² − s·x + p; its elements are two coefficients, ascending."""
-
-    def __init__(self, u: Vector) -> None:
+    def __init__(self, u: Vector, v: Vector, half_h: Vector) -> None:
         self.u, self.s, self.p = u, -u[1], u[0]
+        self.V = plus([*v, 0, 0][:2], self.reduced(half_h))
 
     def times(self, a: Vector, b: Vector) -> Vector:
         top = a[1] * b[1]
@@ -192,7 +186,3 @@ class _Quotient:
         """The inverse of x − e, by u = (x − e)(x + e − s) + u(e)."""
         value = horner(self.u, e)
         return [(self.s - e) / value, -1 / value]
-
-
-def _square(a: Vector) -> Vector:
-    return [a[0] * a[0], 2 * a[0] * a[1], a[1] * a[1]]

@@ -11,11 +11,11 @@ from collections.abc import Iterable
 from math import inf
 from typing import Any, NamedTuple
 
-from jacobian.curve.points import AffinePoint
 from jacobian.law.divisor import Divisor
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.matrix import nearest
 from jacobian.relatives.heights import canonical_height, dependence, pairings
+from jacobian.relatives.rational_torsion import differences
 
 
 class Generators(NamedTuple):
@@ -47,8 +47,7 @@ def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
 
 def from_points(J: Any, height: int, digits: int = 20) -> Generators:
     """Generators, modulo torsion, of the group spanned by differences of rational points with x up to this height."""
-    points = sorted(J.curve.points(height), key=lambda P: isinstance(P, AffinePoint))
-    return generators((J(P, points[0]) for P in points[1:]), digits)
+    return generators(differences(J, height), digits)
 
 
 def _with(basis: list[Divisor], D: Divisor, digits: int) -> list[Divisor]:

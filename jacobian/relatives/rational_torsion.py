@@ -136,7 +136,7 @@ def _invariants(exponents: dict[int, list[int]]) -> tuple[int, ...]:
 
 def _candidates(J: GroupLaw, height: int) -> Iterator[Divisor]:
     """Yields classes that may be of finite order, the most likely first."""
-    points = list(_differences(J, height))
+    points = list(differences(J, height))
     yield from points
     for D, E in combinations(points[:SUMMED], 2):
         yield D + E
@@ -164,8 +164,8 @@ def _two_torsion(J: GroupLaw) -> Iterator[Divisor]:
                 yield J._reduced(u, poly.mod(QQ, half, u), n)
 
 
-def _differences(J: GroupLaw, height: int) -> Iterator[Divisor]:
-    """Yields P − P₀ for the points P of small height; P₀ is a point at infinity if there is one."""
+def differences(J: GroupLaw, height: int) -> Iterator[Divisor]:
+    """Yields P − P₀ for the other points P with x up to this height; P₀ is at infinity if there is a point there."""
     points = list(J.curve.points(height))
     points.sort(key=lambda P: isinstance(P, AffinePoint))
     for P in points[1:]:
