@@ -390,15 +390,13 @@ class SecondKind(NamedTuple):
         return group.field.add(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2v_g/lead(f) for a lower degree, Ω for a higher one."""
+        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
         K, g = group.field, group.genus
-        if step.degree > g + 1:
-            return datum
         if step.degree == g + 1:
             return K.sub(datum, K.div(poly.integer(K, 2), step.lead))
-        if step.degree < g:
-            return datum
-        return K.sub(datum, K.div(K.add(step.lead, step.lead), group.f[-1]))
+        if step.degree == g:
+            return K.sub(datum, K.div(K.add(step.lead, step.lead), group.f[-1]))
+        return datum
 
 
 class ThirdKind(NamedTuple):
