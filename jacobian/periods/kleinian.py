@@ -1,7 +1,7 @@
 """Kleinian functions of genus 2: ℘_ij and ζ_i at z in ℂ², as symmetric functions of the divisor with the image z.
 
 On Y² = F(x) let z be the image of P_1 + P_2, z = Σ ∫ (dx/Y, x dx/Y), and let e be a branch point or infinity. For any
-two points (s, S) and (t, T) among P_1, P_2 and (e, 0),
+two points (s, S) and (t, T) among P_1, P_2 and, for finite e, (e, 0),
 
     ℘_11 + ℘_12 (s + t) + ℘_22 st = (F(s, t) − 2ST)/(4(s − t)²),    F(s, t) = Σ s^i t^i (2F_2i + F_2i+1 (s + t))
 

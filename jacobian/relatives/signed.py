@@ -1,12 +1,13 @@
 """The sign-resolved group: divisors together with square roots at chosen branch points.
 
 Let W = (f − V²)/U for a Mumford pair (U, V). At a root e of f the symmetric matrix with the rows (U(e), V(e)) and
-(V(e), −W(e)) has rank one, because V² + UW = f vanishes there. So it is κ times the square of a vector (σ, ν),
+(V(e), −W(e)) has rank one, because V² + UW = f vanishes there. So for each constant κ ≠ 0 there are, perhaps in a
+quadratic extension, σ and ν with
 
-    κσ² = U(e),    κσν = V(e),    κν² = −W(e),
+    κσ² = U(e),    κσν = V(e),    κν² = −W(e).
 
-which is called the *pair* of the divisor at e. The divisor determines it up to sign, for a given constant κ. The group
-consists of divisors with pairs at chosen branch points. In its addition D' is the second summand and D'' the sum. Let
+(σ, ν) is called the *pair* of the divisor at e. For a given κ the divisor determines it up to sign. The group consists
+of divisors with pairs at chosen branch points. In its addition D' is the second summand and D'' the sum. Let
 q·y − p vanish on D and D', let b² be the leading coefficient of (p² − q²f)/(U·U'), and let
 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
@@ -116,7 +117,7 @@ class SignedGroup(Immutable):
         return D._replace(v=poly.neg(K, D.v), pairs=pairs)
 
     def double(self, D: SignedDivisor) -> SignedDivisor:
-        """D + D with the constant 1 (−1 for weight one) for κ: the factor κ² of the sum's is moved into σ and ν."""
+        """D + D with κ = 1 (−1 for weight one): the square of D's κ, which the sum has, is moved into σ and ν."""
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
         scales = [K.mul(sign, k) for k in D.kappas]
