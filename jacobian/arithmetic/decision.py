@@ -1,9 +1,9 @@
 """L-polynomials from their coefficients modulo p, for many primes.
 
-For p > 16g² the residue of a_1 determines a_1: |a_1| ≤ 2g√p. In genus 1 nothing else is needed. In genus 2 and 3 the
-group law determines the other a_i (:mod:`jacobian.arithmetic.decision_kernels`). Points are counted
-(:mod:`jacobian.finite.frobenius`) at small primes, and at primes where several candidates remain, as happens for groups
-of small exponent.
+For p > 16g² the residue of a_1 determines a_1, since |a_1| ≤ 2g√p. In genus 1 nothing else is needed. In genus 2 and 3
+the group law determines the other a_i (:mod:`jacobian.arithmetic.decision_kernels`). Points are counted
+(:mod:`jacobian.finite.frobenius`) for small p, and for those p at which several candidates remain, as happens if the
+exponent of J(GF(p)) is small.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from jacobian.numbers.threads import in_ranges
 
 
 def least_prime(g: int) -> int:
-    """The bound beyond which the residue of a_1 modulo p determines a_1."""
+    """16g²: for larger p the residue of a_1 modulo p determines a_1."""
     return 16 * g * g
 
 
@@ -59,7 +59,8 @@ def _desk(g: int, p: int) -> Any:
     from jacobian.arithmetic.desk import HEAD, Desk
 
     n = 2 * g + 3
-    # baby steps: the square root of the number of candidates; genus 3 has at most 20 rows of 40√p candidates
+    # the number of baby steps: the square root of the number of candidates, in genus 3 at most 20 values of s with 40√p
+    # of t each
     steps = isqrt(1000 * isqrt(p)) if g == 3 else 4
     sizes = (HEAD + n + 2 * (g + 2), (ROWS, 4 * g + 8), (8, width(g)), n, n, (steps, width(g)), 4 * steps + 4, (24, 2))
     return Desk(*(np.zeros(size, np.int64) for size in (*sizes, (MOST, 2))))

@@ -1,13 +1,13 @@
 """L-polynomials from their coefficients modulo p, for one prime after another, by the group law: loops to be compiled.
 
 If a_1 is known, and a_2 and a_3 modulo p, the order of J(GF(p)) is c + p·t + p(p + 1)·s with a known c and small s and
-t; in genus 2, s = 0. For the quadratic twist, a_1 and a_3 change signs. A point x_0 gives a class D, and no square root
-is needed: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). This curve is isomorphic to the given
-curve if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give all pairs (s, t)
-whose orders annihilate D; further points eliminate wrong pairs. The right pair is never eliminated, so a single
+t; in genus 2, s = 0. For the quadratic twist, a_1 and a_3 change signs. An abscissa x_0 gives a class D without a
+square root: D is ∞₊ − ∞₋ on y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0). This curve is isomorphic to the given curve
+if F(x_0) is a square modulo p, else to its twist. Baby steps and giant steps along p·D give all pairs (s, t) for which
+the order annihilates D. Classes of other x_0 eliminate wrong pairs. The right pair is never eliminated, so a single
 remaining pair is the right one.
 
-The classes are those of :mod:`jacobian.arithmetic.desk`.
+The group law is that of :mod:`jacobian.arithmetic.desk`.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from jacobian.numbers.words import OneWord
 MOST = 64
 """The largest number of candidates that are kept."""
 POINTS = 12
-"""The largest number of points that are tried for a prime."""
+"""The largest number of abscissas x_0 that are tried for a prime."""
 
 
 def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: int) -> None:
     """Completes the rows (p, a_1, … a_g, the number of remaining candidates) of ``out`` from begin to end.
 
     ``out`` already contains p; ``residues`` are a_1 and the other a_i modulo p, ``equations`` the coefficients of F
-    modulo p. The number of candidates is 1 where the prime is decided, 0 where every candidate is wrong.
+    modulo p. With one remaining candidate the a_i are known. With none, ``residues`` are wrong.
     """
     g = residues.shape[1]
     for k in range(begin, end):
@@ -59,9 +59,9 @@ def decide(equations: Any, residues: Any, desk: Any, out: Any, begin: int, end: 
 
 
 def ranges_of(g: int, p: int, a: Any, ranges: Any) -> Any:
-    """Returns the least possible a_2 with the given residue, and the number of rows, one for each s. Writes the least
-    and the largest t of each row into ``ranges``. Candidates are a_2 + t·p in genus 2, with one row, and (a_2 + s·p,
-    a_3 + t·p) in genus 3.
+    """Returns the least possible a_2 with the given residue, and the number of values of s. Writes the least and the
+    largest t for each s into ``ranges``. Candidates are a_2 + t·p in genus 2, where s = 0, and (a_2 + s·p, a_3 + t·p)
+    in genus 3.
 
     The bounds hold because the roots of R = z^g + r_1 z^(g−1) + … (:mod:`jacobian.finite.weil`) are real and at most
     2√p in size.
@@ -100,7 +100,10 @@ def cubic_part(z: float, r1: float, r2: float) -> float:
 
 
 def search(K: Any, sign: int, rows: int, desk: Any) -> int:
-    """Finds all pairs (s, t) of the rows whose orders annihilate D; returns their number, or −1 for more than MOST."""
+    """Finds all pairs (s, t), s < ``rows``, whose orders annihilate D; returns their number, or −1 for more than MOST.
+
+    ``sign``: 1 if D is a class of the curve, −1 if of the twist.
+    """
     g, classes = desk.curve[0], desk.classes
     place, giant = classes[6], classes[7]
     baby, size = baby_steps(K, rows, desk)
@@ -179,7 +182,7 @@ def found_step(desk: Any, place: Any, size: int) -> int:
 
 
 def sift(K: Any, sign: int, count: int, desk: Any) -> int:
-    """The number of candidates whose orders annihilate D; these candidates are moved to the front."""
+    """The number of candidates whose orders annihilate D; they are moved to the front of ``found``."""
     g, classes, found, left = desk.curve[0], desk.classes, desk.found, 0
     place, other = classes[6], classes[7]
     for n in range(count):

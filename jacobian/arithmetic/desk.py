@@ -1,6 +1,6 @@
-"""Divisor classes on curves modulo p, for one prime after another: loops to be compiled.
+"""The group law of curves modulo p, for one prime after another: loops to be compiled.
 
-Classes are arrays as in :mod:`jacobian.addition.cantor_words`. In genus 2, explicit formulas add classes in
+Curves and classes are arrays as in :mod:`jacobian.addition.cantor_words`. In genus 2, explicit formulas add classes in
 general position.
 """
 
@@ -18,11 +18,11 @@ HEAD = 7
 
 
 class Desk(NamedTuple):
-    """The memory of a search by :mod:`jacobian.arithmetic.decision_kernels`.
+    """The memory of a search by :mod:`jacobian.arithmetic.decision_kernels`, where s, t, c and D are explained.
 
-    It holds the curve; the scratch memory of Cantor's algorithm; ``classes``; the polynomial F and its translate; the
-    table of baby steps; the ranges of t in each row; the candidates (s, t). The first three classes are p·D, p²·D and
-    c·D, where c is the order of J for s = t = 0.
+    ``curve``: y² = G(t); ``scratch``: for Cantor's algorithm; ``F`` and ``moved``: the coefficients of F and of
+    F(x_0 + x); ``steps`` and ``table``: the baby steps and their hash table; ``ranges``: the least and largest t for
+    each s; ``found``: the candidates (s, t). ``classes`` begins with p·D, p²·D and c·D; the others are temporary.
     """
 
     curve: Any
@@ -37,8 +37,8 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """Writes classes 0, 1 and 2 for the point x_0. Returns 1 if y² = G(t) of
-    :mod:`jacobian.arithmetic.decision_kernels` is isomorphic to the curve, −1 if to the twist, 0 if F(x_0) = 0.
+    """Writes the curve y² = G(t) of x_0 and classes 0, 1 and 2 on it. Returns 1 if it is isomorphic to y² = F(x), −1 if
+    to the quadratic twist, 0 if F(x_0) = 0.
     """
     value = model_at(K, x0, desk)
     if value == 0:
@@ -59,7 +59,7 @@ def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
 
 
 def model_at(K: Any, x0: int, desk: Any) -> int:
-    """Writes y² = G(t) in the form of :func:`jacobian.addition.cantor_words.packed_curve`, and returns F(x_0)."""
+    """Writes the curve y² = G(t) as :func:`jacobian.addition.cantor_words.packed_curve` does; returns F(x_0)."""
     curve, moved, n = desk.curve, desk.moved, len(desk.F)
     g = (n - 3) // 2
     for i in range(n):
@@ -73,7 +73,7 @@ def model_at(K: Any, x0: int, desk: Any) -> int:
     curve[0], curve[1], curve[2], curve[3], curve[4], curve[5], curve[6] = g, 1, n, 0, g + 2, g + 2, 1
     for i in range(n):
         curve[HEAD + n - 1 - i] = K.dot(moved[i], scale)
-    # the principal parts ±V, V² = G up to terms of degree g and less
+    # the principal parts ±V: V has degree g + 1, and deg(G − V²) ≤ g
     top = HEAD + n + g + 1
     curve[top] = 1
     for i in range(1, g + 2):
@@ -105,7 +105,7 @@ def set_class(K: Any, g: int, n: int, a: Any) -> None:
 
 
 def multiply(K: Any, desk: Any, m: int, base: Any, result: Any) -> None:
-    """result = m·base; classes 4 and 5 are overwritten."""
+    """result = m·base, by the non-adjacent form of m; classes 4 and 5 are overwritten."""
     g, square, opposite = desk.curve[0], desk.classes[4], desk.classes[5]
     set_class(K, g, (g + 1) // 2, result)
     copy(base, square)
@@ -145,12 +145,14 @@ def twice(K: Any, desk: Any, a: Any, result: Any) -> None:
 
 
 def sextic(curve: Any) -> Any:
-    """The coefficients that the explicit formulas use."""
+    """The coefficients f₂ … f₆ that the explicit formulas use."""
     return Sextic(curve[HEAD + 2], curve[HEAD + 3], curve[HEAD + 4], curve[HEAD + 5], curve[HEAD + 6])
 
 
 def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
-    """Whether the explicit formulas of genus 2 apply; if so, ``result`` is set to the sum."""
+    """Whether the explicit formulas of genus 2 apply; if so, ``result`` is set to the sum. ``quotient`` is the line or
+    tangent computed by them, ``lines`` the coefficients (u_1, u_0, v_1, v_0) of both summands.
+    """
     C, multiple = sextic(curve), STEPS[Sextic].product(K, sextic(curve), quotient)
     if multiple == 0:
         return False

@@ -1,10 +1,11 @@
 """Algebras of endomorphisms by name, and the constraints that L-polynomials put on them.
 
-Let E ⊂ End⁰(J) over QQ be a field of degree 2, or QQ × QQ in genus 2. The Tate module is free over E, so L_p is a norm
-from E[T]. Moreover End⁰(J) embeds into End⁰ of a reduction, which the roots of L_p determine (Tate 1966).
+End⁰ = End ⊗ QQ. Let E ⊂ End⁰(J), over QQ, be a field of degree 2, or QQ × QQ in genus 2. The Tate module, tensored with
+QQ, is free over E ⊗ QQ_ℓ, so L_p is a norm from E[T]. Moreover End⁰(J) embeds into End⁰ of each reduction modulo a good
+prime, whose dimension the roots of L_p determine (Tate 1966).
 
-Let π be a root of Frobenius at an ordinary prime. A curve of genus 2 has End(J) = ℤ over the algebraic closure if at
-two such primes QQ(π) has degree 4, is the same for all powers of π and has one quadratic subfield, and the two
+Let π be an eigenvalue of Frobenius at an ordinary prime. A curve of genus 2 has End(J) = ℤ over the algebraic closure
+if at two such primes QQ(π) has degree 4, is the same for all powers of π and has one quadratic subfield, and the two
 subfields differ. Indeed End⁰(J) lies in both fields QQ(π), and if it were larger than QQ it would contain both
 subfields (the idea of Lombardo 2019; Costa, Mascot, Sijsling & Voight 2019). In genus 1 two different fields QQ(π)
 suffice.
@@ -13,7 +14,6 @@ suffice.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from itertools import count, product
 from math import isqrt, prod
 from typing import Any, NamedTuple
@@ -95,9 +95,10 @@ def algebra(basis: Sequence[Integers]) -> Algebra:
 
 
 def _product_of_fields(matrices: Sequence[Any]) -> str:
-    """The names of the fields whose product is a commutative algebra.
+    """The name of a commutative algebra as a product of fields: those of the factors of a generator's minimal
+    polynomial.
 
-    They are read off the minimal polynomial of a generator, the one with the least discriminant.
+    Of the small combinations that generate the algebra, one with the least discriminant is taken.
     """
     generators = []
     for c in product(range(-2, 3) if len(matrices) < 5 else range(-1, 2), repeat=len(matrices)):
@@ -122,7 +123,7 @@ def squarefree(n: int) -> int:
 
 
 def _quaternions(matrices: Sequence[Any]) -> str:
-    """The name of a quaternion algebra i² = a, j² = b, ij = −ji: M_2(QQ), or its discriminant."""
+    """The name of a quaternion algebra: M_2(QQ), or its discriminant, from i and j with i² = a, j² = b, ij = −ji."""
     from flint import fmpq, fmpq_mat
 
     n = matrices[0].nrows()
@@ -140,8 +141,7 @@ def _quaternions(matrices: Sequence[Any]) -> str:
     b = trace(j * j)
     if not b:
         return "M_2(QQ)"
-    x, y = (Fraction(int(c.p), int(c.q)) for c in (a, b))
-    A, B = (squarefree(c.numerator * c.denominator) for c in (x, y))
+    A, B = (squarefree(int(c.p) * int(c.q)) for c in (a, b))
     ramified = [p for p in sorted({2, *factorization(abs(A)), *factorization(abs(B))}) if hilbert(A, B, p) < 0]
     return f"quaternion algebra of discriminant {prod(ramified)}" if ramified else "M_2(QQ)"
 
@@ -164,7 +164,7 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """Raises PrecisionLoss if the L-polynomial shows that the reduction modulo p lacks these endomorphisms."""
+    """Raises PrecisionLoss if L_p excludes the rank ``geometric`` over ℂ or the endomorphisms ``rational``."""
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):
@@ -187,7 +187,8 @@ def is_norm(L: Sequence[int], d: int) -> bool:
 def _splits(polynomial: Any, d: int) -> bool:
     """Whether an irreducible polynomial factors over QQ(√d).
 
-    If the norm of polynomial(x + m√d) is squarefree, the polynomial factors exactly if this norm does (Trager 1976).
+    If the norm to QQ[x] of polynomial(x + m√d) is squarefree, the polynomial factors exactly if this norm does (Trager
+    1976).
     """
     from flint import fmpz_poly
 
@@ -207,7 +208,7 @@ def _splits(polynomial: Any, d: int) -> bool:
 
 
 def _power(L: Sequence[int], n: int) -> Any:
-    """The monic polynomial whose roots are the n-th powers of the roots of Frobenius, by their power sums."""
+    """The monic polynomial with the n-th powers of the eigenvalues of Frobenius as roots, by their power sums."""
     from flint import fmpz_poly
 
     size = len(L) - 1
@@ -221,10 +222,7 @@ def _endomorphisms_of(frobenius: Any) -> int:
 
 
 def _centres(polynomials: Sequence[tuple[int, Sequence[int]]]) -> set[int]:
-    """The d of fields QQ(√d) that End⁰(J) contains if it is larger than QQ, in genus 1 and 2.
-
-    Two different d prove that End⁰(J) = QQ.
-    """
+    """Squarefree d such that End⁰(J) is QQ or contains QQ(√d), in genus 1 and 2; two of them prove End⁰(J) = QQ."""
     found: set[int] = set()
     for p, L in polynomials:
         if len(L) == 3 and L[1] % p:

@@ -4,14 +4,15 @@ With f = Σ f_i x^i of degree d, f_0 ≠ 0, and c_k the coefficients of f^((p−
 
     2k·f_0·c_k = Σ_{i=1…d} (i − 2k) f_i c_(k−i),
 
-a recurrence that does not depend on p. So the window (c_(k−d+1), …, c_k)·(2f_0)^k·k!/c_0 is a product of k integer
-matrices applied to (0, …, 0, 1) (Harvey and Sutherland 2014, 2016). A block of integers needs the window at its
-beginning, modulo the product of its primes.
+a recurrence whose coefficients do not depend on p. So the *window* at k, (c_(k−d+1), …, c_k)·(2f_0)^k·k!/c_0, is the
+product of the integer matrices M(k) ⋯ M(1) of the recurrence and (0, …, 0, 1) (Harvey and Sutherland 2014, 2016). The
+integers up to the largest prime are divided into blocks. For each block its window, that at its first integer, is
+computed modulo the product of the primes in the block.
 
-The blocks form trees. A tree multiplies its matrices. The products give the window at the beginning of each block, and
-finally the window at the end of the tree, modulo the primes of all later trees. For each p the window is then advanced
-from the beginning of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`). Such a walk is faster than the lower
-levels of a tree.
+Eight blocks form a product tree of their matrices. From the products and the window at the beginning of the tree it
+gives the windows of its blocks, and the window at the beginning of the next tree, modulo the primes of all later trees.
+For each p the window is then advanced from the beginning of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`);
+this is faster than smaller blocks.
 
 Integers and matrices are those of FLINT (python-flint). FLINT multiplies matrices of 5 rows with entries of 640 kbit in
 the time of 91 products of such integers (``python -m benchmarks l_polynomials``).
@@ -19,7 +20,10 @@ the time of 91 products of such integers (``python -m benchmarks l_polynomials``
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from operator import mul
 from typing import Any, NamedTuple
 
 from flint import fmpz, fmpz_mat, fmpz_poly
@@ -27,16 +31,14 @@ from flint import fmpz, fmpz_mat, fmpz_poly
 BLOCK = 1 << 14
 """The number of integers in a block. Smaller blocks make the trees slower, larger ones the walks."""
 WALKED_TO = 1 << 18
-"""If no prime exceeds this number, a single block is walked without a tree, which takes no longer (``python -m
-benchmarks l_polynomials``).
-"""
+"""If no prime exceeds this, one block without a tree is as fast (``python -m benchmarks l_polynomials``)."""
 TREE = 8
-"""The number of blocks in a tree. More blocks take more memory; fewer blocks mean more trees, each with a window at its
-end modulo all later primes.
+"""The number of blocks in a tree. More blocks take more memory; fewer blocks mean more trees, each of which computes a
+window modulo all later primes.
 """
 STEPS = 16
-"""The number of matrices M(k + 1), M(k + 2), … whose product is computed as polynomials in k. One matrix product then
-evaluates these polynomials at all k of a block that are needed.
+"""The number of matrices M(k + 1), M(k + 2), … whose product is computed as polynomials in k. For each block one matrix
+product evaluates these polynomials at every STEPS-th k.
 """
 
 
@@ -50,19 +52,14 @@ class Block(NamedTuple):
 
 def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
     """All blocks of ``size`` integers up to the last prime, in order, including blocks without primes."""
-    found, first = [], 0
-    for begin in range(0, primes[-1], size):
-        last = first
-        while last < len(primes) and primes[last] <= begin + size:
-            last += 1
-        found.append(Block(begin, first, last))
-        first = last
-    return found
+    begins = range(0, primes[-1], size)
+    ends = pairwise([0, *(bisect_right(primes, begin + size) for begin in begins)])
+    return [Block(begin, first, last) for begin, (first, last) in zip(begins, ends, strict=True)]
 
 
 class Tree(NamedTuple):
-    """The results of a tree: the window at the beginning of each block, modulo the product of the block's primes, and
-    the window after the last block, modulo the product of all later primes.
+    """The results of a tree: ``windows``, that at the beginning of each block modulo the product of the block's primes,
+    and ``behind``, the window at the end of the last block modulo the product of all later primes.
     """
 
     windows: list[list[Any]]
@@ -72,10 +69,9 @@ class Tree(NamedTuple):
 def trees(
     f: Sequence[int], primes: Sequence[int], blocks: list[Block], window: list[Any] | None = None
 ) -> Iterator[Tree]:
-    """Yields, tree after tree, the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
+    """Yields the results of all trees. ``blocks`` have one size, a multiple of STEPS.
 
-    ``blocks`` have one size, a multiple of STEPS. The first begins at 0, or where a later tree begins; then its
-    ``window`` is given.
+    The first block begins at 0, or at the beginning of a later tree; then the ``window`` there is given.
     """
     d = len(f) - 1
     size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0
@@ -88,7 +84,7 @@ def trees(
         # the product of the last block is needed only for later trees
         last = start + TREE >= len(blocks)
         matrices = [_block(first, d, block.begin, size) for block in blocks[start : start + len(part) - last]]
-        products, modules = _levels(matrices, _times), _levels(part, _both)
+        products, modules = _levels(matrices, _times), _levels(part, mul)
         found = _down(products, modules, [c % modules[-1][0] for c in window])
         rest //= modules[-1][0]
         window = [] if last else _applied(products[-1][0], window, rest)
@@ -96,7 +92,7 @@ def trees(
 
 
 def _first_products(f: Sequence[int]) -> list[list[fmpz_poly]]:
-    """Π_{j=1…STEPS} M(k + j), the last factor on the left, as polynomials in k; M(k) is step k of the recurrence."""
+    """The entries of M(k + STEPS) ⋯ M(k + 1) as polynomials in k."""
     d = len(f) - 1
     total = [[fmpz_poly([int(i == j)]) for j in range(d)] for i in range(d)]
     for step in range(1, STEPS + 1):
@@ -108,7 +104,7 @@ def _first_products(f: Sequence[int]) -> list[list[fmpz_poly]]:
 
 
 def _block(first: list[list[fmpz_poly]], d: int, begin: int, size: int) -> fmpz_mat:
-    """The product of the matrices of a block."""
+    """M(begin + size) ⋯ M(begin + 1), from the polynomials of :func:`_first_products`."""
     coefficients = fmpz_mat([[c[i] for i in range(STEPS + 1)] for line in first for c in line])
     starts = range(begin, begin + size, STEPS)
     values = coefficients * fmpz_mat([[fmpz(k) ** i for k in starts] for i in range(STEPS + 1)])
@@ -122,10 +118,6 @@ def _times(first: fmpz_mat, second: fmpz_mat) -> fmpz_mat:
     return second * first
 
 
-def _both(a: Any, b: Any) -> Any:
-    return a * b
-
-
 def _levels(leaves: list[Any], join: Any) -> list[list[Any]]:
     """The levels of a product tree, from leaves to root; the last of an odd number of nodes moves up unchanged."""
     levels = [leaves]
@@ -137,17 +129,16 @@ def _levels(leaves: list[Any], join: Any) -> list[list[Any]]:
 
 
 def _product(factors: list[Any]) -> Any:
-    return _levels(factors, _both)[-1][0] if factors else fmpz(1)
+    return _levels(factors, mul)[-1][0] if factors else fmpz(1)
 
 
 def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
-    """The matrix times the window, modulo ``modulus``."""
     column = matrix * fmpz_mat(len(window), 1, window)
     return [c % modulus for c in column.entries()]
 
 
 def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
-    """The windows at the beginnings of the leaves, modulo the leaves' moduli, from the root's window."""
+    """The windows at the beginnings of the blocks, modulo their moduli, from that at the beginning of the tree."""
     above = [window]
     for level in range(len(modules) - 2, -1, -1):
         here = []

@@ -1,8 +1,9 @@
 """The L-polynomials of a curve over QQ at all good primes up to a bound.
 
-The Hasse–Witt matrices give them modulo p, for all primes together (:mod:`jacobian.arithmetic.residues`). The group law
-decides the rest prime by prime (:mod:`jacobian.arithmetic.decision`). Points are counted at the few primes that are at
-most 16g² or divide :func:`jacobian.arithmetic.residues.exceptions`, and at 2 where the equation is good there.
+The Hasse–Witt matrices give their coefficients modulo p, for all primes together (:mod:`jacobian.arithmetic.residues`).
+Weil's bounds leave few candidates for the coefficients, among which the group law decides, prime by prime
+(:mod:`jacobian.arithmetic.decision`). Points are counted at the primes up to 16g², at those that divide
+:func:`jacobian.arithmetic.residues.exceptions`, and at 2 if the equation is good there.
 """
 
 from __future__ import annotations
@@ -52,7 +53,10 @@ def l_polynomials(
     rows = [found]
     for part in residues.parts(F, g, primes, place):
         p = primes[part.first : part.last]
-        rows.append(_decided(C, F, p, residues.modulo_p(part.matrices, p)))
+        decided, known = decision.decided(F, g, p, residues.modulo_p(part.matrices, p))
+        for at in np.flatnonzero(~known).tolist():
+            decided[at] = decision.counted(C, int(p[at]))
+        rows.append(decided)
         if saved:
             saved.keep(rows, part.place)
         if tell:
@@ -134,10 +138,3 @@ def _reductions(C: HyperellipticCurve, bound: int) -> tuple[Any, list[int]]:
     suspected = primes[residues.modulo(suspects(C), primes) == 0].tolist()
     bad = [p for p in suspected if not is_good(C, p)]
     return primes[~np.isin(primes, bad)], bad
-
-
-def _decided(C: HyperellipticCurve, F: list[int], p: Any, modulo_p: Any) -> Any:
-    found, known = decision.decided(F, C.genus, p, modulo_p)
-    for at in np.flatnonzero(~known).tolist():
-        found[at] = decision.counted(C, int(p[at]))
-    return found

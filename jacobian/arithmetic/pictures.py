@@ -36,17 +36,14 @@ def figure(L: LPolynomials) -> Figure:
         _histogram(ax, values[:, i], i + 1, comb(2 * g, i + 1))
     if g > 1:
         _scatter(axes[g], values[-MOST_DOTS:], g)
-    drawn.suptitle(f"{_equation(L)}, {len(L)} primes up to {L.bound}")
+    equation = f"${L.curve._latex_()}$".replace(r"\tfrac", r"\frac")
+    drawn.suptitle(f"{equation}, {len(L)} primes up to {L.bound}")
     return drawn
 
 
 def draw(L: LPolynomials, path: File) -> None:
     """Writes the picture: .png, .svg or .pdf by the name of the file."""
     figure(L).savefig(path_of(path), dpi=150)
-
-
-def _equation(L: LPolynomials) -> str:
-    return f"${L.curve._latex_()}$".replace(r"\tfrac", r"\frac")
 
 
 def _name(i: int) -> str:

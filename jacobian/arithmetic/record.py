@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 class LPolynomials:
     """L_p(T) = 1 + a_1 T + … + a_g T^g + p·a_(g−1) T^(g+1) + … + p^g T^2g at all good primes p ≤ ``bound``.
 
-    ``p``: (K,) int64, ascending; ``coefficients``: (K, g) int64, the a_1, …, a_g; ``bad``: the primes up to the bound
-    at which the equation is singular modulo p, or has p in a denominator. Another equation of the curve may be good
+    ``p``: (K,) int64, ascending; ``coefficients``: (K, g) int64, the a_1, …, a_g; ``bad``: the primes p up to the bound
+    for which the equation is singular modulo p, or has p in a denominator. Another equation of the curve may be good
     there.
     """
 
@@ -49,14 +49,11 @@ class LPolynomials:
 
     def orders(self) -> list[int]:
         """#J(GF(p)) = L_p(1) for each p."""
-        g = self.curve.genus
-        return [
-            1 + p**g + sum(a * (1 + (p ** (g - i) if i < g else 0)) for i, a in enumerate(row, 1))
-            for p, row in zip(self.p.tolist(), self.coefficients.tolist(), strict=True)
-        ]
+        rows = zip(self.p.tolist(), self.coefficients.tolist(), strict=True)
+        return [sum(weil.from_leading([1, *row], p)) for p, row in rows]
 
     def normalised(self) -> Any:
-        """a_i/p^(i/2), (K, g) floats: the coefficients of L_p(T/√p), each within ±C(2g, i)."""
+        """a_i/p^(i/2), (K, g) floats: the coefficients of L_p(T/√p). Their absolute values are at most C(2g, i)."""
         powers = np.arange(1, self.curve.genus + 1) / 2
         return self.coefficients / self.p[:, None].astype(float) ** powers
 
@@ -113,9 +110,7 @@ class LPolynomials:
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
     def to_parquet(self, path: File) -> None:
-        """Writes the columns p, a1, …, ag as Parquet; curve, bound and bad primes are metadata. Needs pyarrow (extra
-        io).
-        """
+        """Writes Parquet as in :meth:`columns`, curve, bound and bad primes as metadata; needs pyarrow (extra io)."""
         parquet, arrow = _needed("pyarrow.parquet"), _needed("pyarrow")
         said = {"curve": repr(self.curve), "bound": str(self.bound), "bad": " ".join(map(str, self.bad))}
         parquet.write_table(arrow.table(self.columns()).replace_schema_metadata(said), str(path_of(path)))

@@ -1,15 +1,16 @@
 """Hasse–Witt matrices of a curve over QQ at all primes of a list, and its L-polynomials modulo p.
 
-W_p has the coefficients c_(ip−j) of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g, F = h² + 4f, and L_p(T) ≡ det(1 − T·W_p)
-(Manin 1961; Yui 1978). The first row of W_p, the coefficients below x^p, is computed for all primes together
-(:mod:`jacobian.arithmetic.forest`, :mod:`jacobian.arithmetic.walk`). The first rows of the translates F(x + a) give the
-other rows: the matrix of F(x + a) is T(a)·W_p·T(−a) with T(a)_ij = C(j−1, i−1)·a^(j−i) (Harvey and Sutherland 2016).
+Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g, F = h² + 4f, and L_p(T) ≡ det(1 − T·W_p)
+modulo p (Manin 1961; Yui 1978). The first row, the coefficients of x^(p−1), …, x^(p−g), is computed for all primes
+together (:mod:`jacobian.arithmetic.forest`, :mod:`jacobian.arithmetic.walk`). The first rows for g translates F(x + a)
+give the other rows, because the matrix of F(x + a) is T(a)·W_p·T(−a) with T(a)_ij = C(j−1, i−1)·a^(j−i) (Harvey and
+Sutherland 2016).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import count
+from itertools import count, islice
 from math import comb, lcm, prod
 from typing import Any, NamedTuple
 
@@ -27,7 +28,7 @@ PART = 4096
 def integral_equation(C: HyperellipticCurve) -> list[int]:
     """The coefficients of F: h² + 4f times the square of the common denominator of f and h, divided by a power of 4.
 
-    Modulo every odd p that does not divide the denominator, y² = F(x) is isomorphic to the curve.
+    Modulo every odd p that does not divide the denominator, the curve y² = F(x) is isomorphic to the given one.
     """
     scale = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = [int(c * scale * scale) for c in C.discriminant]
@@ -39,14 +40,8 @@ def integral_equation(C: HyperellipticCurve) -> list[int]:
 
 def translations(F: Sequence[int], g: int) -> list[int]:
     """The g integers a of least size with F(a) ≠ 0."""
-    found: list[int] = []
-    for n in count():
-        for a in {n, -n}:
-            if len(found) < g and sum(c * a**i for i, c in enumerate(F)):
-                found.append(a)
-        if len(found) == g:
-            return found
-    raise AssertionError
+    candidates = (a for n in count() for a in {n, -n})
+    return list(islice((a for a in candidates if sum(c * a**i for i, c in enumerate(F))), g))
 
 
 def exceptions(F: Sequence[int], g: int) -> int:
@@ -60,8 +55,8 @@ def exceptions(F: Sequence[int], g: int) -> int:
 
 
 class Place(NamedTuple):
-    """The progress of a run over all primes: ``done`` primes, and the windows of all translates before the first
-    incomplete tree, which starts at ``block``.
+    """The progress of a run over all primes: ``done`` primes, and for each translate the window at the beginning of the
+    first incomplete tree, that of block ``block`` (:mod:`jacobian.arithmetic.forest`).
     """
 
     done: int = 0
@@ -119,7 +114,7 @@ def parts(F: Sequence[int], g: int, primes: Any, place: Place, block: int | None
 
 
 def _reduced(windows: list[list[Any]], p: Any) -> Any:
-    """The windows of all T translates modulo each of N primes, (N, T, d)."""
+    """The windows, one for each of T translates, modulo each of N primes: (N, T, d)."""
     found = np.empty((len(p), len(windows), len(windows[0])), np.int64)
     for t, entries in enumerate(windows):
         for i, entry in enumerate(entries):
@@ -151,7 +146,7 @@ def _scale(moved: list[list[int]], p: Any, start: int, product: Any) -> Any:
 
 
 def _from_first_rows(rows: Any, shifts: list[int], primes: Any) -> Any:
-    """The matrices W from the first rows r(a) of their translates: r(a)·T(a) = Σ a^(i−1)·(row i of W)."""
+    """The matrices W from first rows r(a) for F(x + a), by interpolation: r(a)·T(a) = Σ a^(i−1)·(row i of W)."""
     g = len(shifts)
     moved = np.zeros_like(rows)
     p = primes[:, None]
@@ -160,23 +155,13 @@ def _from_first_rows(rows: Any, shifts: list[int], primes: Any) -> Any:
             for i in range(j + 1):
                 moved[:, t, j] += rows[:, t, i] * modulo(comb(j, i) * a ** (j - i), primes) % primes
     found = np.zeros_like(rows)
-    for t, basis in enumerate(_lagrange(shifts)):
-        scale = _inverses(modulo(prod(shifts[t] - b for b in shifts if b != shifts[t]), primes), primes)
-        for i, c in enumerate(basis):
-            found[:, i] += (modulo(c, primes) * scale % primes)[:, None] * (moved[:, t] % p) % p
+    for t, a in enumerate(shifts):
+        # Lagrange's interpolation: Π (x − b)/(a − b) over the other shifts b
+        others = [b for b in shifts if b != a]
+        scale = _inverses(modulo(prod(a - b for b in others), primes), primes)
+        for i, c in enumerate(poly.from_roots(QQ, map(QQ.coerce, others))):
+            found[:, i] += (modulo(int(c), primes) * scale % primes)[:, None] * (moved[:, t] % p) % p
     return found % p[:, None]
-
-
-def _lagrange(shifts: list[int]) -> list[list[int]]:
-    """For each shift a the polynomial Π (x − b) over the other shifts b."""
-    found = []
-    for a in shifts:
-        basis = [1]
-        for b in shifts:
-            if b != a:
-                basis = [x - b * y for x, y in zip([0, *basis], [*basis, 0], strict=True)]
-        found.append(basis)
-    return found
 
 
 def modulo_p(matrices: Any, primes: Any) -> Any:

@@ -1,15 +1,16 @@
 """Sato–Tate groups: their moments of (a_1/√p, a_2/p), and the groups with which the L-polynomials of a curve are
 compatible.
 
-In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A component is given by a probability law of
-two angles α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos
-β, or by a law of a_2 alone where a_1 = 0. All moments are computed from these laws.
+In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). An element has the characteristic polynomial
+(1 − 2cos α·T + T²)(1 − 2cos β·T + T²), as L_p(T/√p) has, so that a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos β. Each
+component of a group is given by the probability law of its angles α, β or, where a_1 = 0, of a_2. All moments are
+computed from these laws.
 
 A group with identity component U(1) is given by a group H of rotations and an element J (notation of the 2012 paper).
 It has a component for each A in H; or for each A and each J·A; or, for a subgroup H′ of index 2, for each A in H′ and
-each J·A with A outside H′. For u in U(1) and a rotation A of angles ±θ, u·A has α, β = φ ± θ with φ uniform, and J·u·A
-has a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of trigonometric polynomials, computed exactly by sums over enough
-points.
+each J·A with A outside H′. For u in U(1) and A in H, which as an element of SU(2) has the eigenvalues e^(±iθ), u·A has
+α, β = φ ± θ with φ uniform, and J·u·A has a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of trigonometric polynomials,
+computed exactly by sums over enough points.
 
 Over QQ the endomorphisms of a factor with complex multiplication are never all rational, which leaves the groups of
 :func:`over_the_rationals`.
@@ -27,29 +28,29 @@ from jacobian.arithmetic.record import LPolynomials
 from jacobian.errors import ArgumentError, Infeasible, shown
 
 POINTS = 64
-"""The points on a circle: sums over them are exact for trigonometric polynomials of lower degree."""
+"""The number of equidistant angles: sums over them are exact for trigonometric polynomials of degree below it."""
 EXPONENTS = {1: ((2, 0), (4, 0), (6, 0)), 2: ((2, 0), (4, 0), (0, 1), (0, 2), (0, 3), (0, 4), (2, 1), (2, 2))}
-"""The exponents of a_1 and a_2 in the moments that are compared, by genus."""
+"""The (i, j) for which the means of a_1^i·a_2^j are compared, by genus."""
 ATOMS = (-2, -1, 0, 1, 2)
-"""The values of a_2/p that have a positive probability in some groups where a_1 = 0; their frequencies are compared
-too.
-"""
+"""The values of a_2/p that some groups take with positive probability where a_1 = 0; their frequencies are compared."""
 FROM = 200
 """Primes up to this one are left out, because their a_i take few values."""
 SLACK = 0.005
-"""The allowed error of a mean apart from chance, relative to the standard deviation. With 10^4 primes chance
-contributes twice as much.
+"""The allowed systematic error of a mean, relative to the standard deviation of one value. The random error of the mean
+of 10^4 values is twice as large.
 """
 RARE = 0.3
-"""√p times the probability that a_1 is 0 by chance, which is the density of a_1/√p at 0."""
+"""√p times the probability that the integer a_1 is 0 although the group has no component with a_1 = 0: about the
+density of a_1/√p at 0.
+"""
 UNLIKELY = 1e-4
-"""A group is compatible if the means have at least this probability."""
+"""A group is compatible if its ``probability`` (:class:`Verdict`) is at least this."""
 APART = 25.0
 """The χ² at which two groups count as separated."""
 
 
 class Part(NamedTuple):
-    """A component of a group: values of (a_1, a_2) with their probabilities. A single value is an atom."""
+    """A component of a group: values of (a_1, a_2) with their probabilities."""
 
     a1: Any
     a2: Any
@@ -57,7 +58,7 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group, and ``probability``, the p-value of the curve's means if this is its group.
+    """A group, and ``probability``, that of means at least as far from the expected ones if this is the curve's group.
 
     ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """
@@ -114,15 +115,12 @@ def _even(angle: Any) -> Part:
 
 ROTATIONS = {"T": {1: 1, 2: 3, 3: 8}, "O": {1: 1, 2: 9, 3: 8, 4: 6}}
 """The number of rotations of each order in the groups T and O."""
-NEXT = {2: 1, 4: 2, 6: 3}
 
 
 def _rotations(name: str) -> list[float]:
     """The angles θ of a group of rotations C_n, D_n, T or O: half of each rotation's angle."""
     if name in ROTATIONS:
-        orders = ROTATIONS[name]
-        angles = {1: [0.0], 2: [pi / 2], 3: [pi / 3], 4: [pi / 4]}
-        return [angles[order][0] for order, count in orders.items() for _ in range(count)]
+        return [pi / order if order > 1 else 0.0 for order, count in ROTATIONS[name].items() for _ in range(count)]
     n = int(name[1:])
     turns = [pi * k / n for k in range(n)]
     return turns if name[0] == "C" else turns + [pi / 2] * n
@@ -138,8 +136,8 @@ def _unitary() -> dict[str, list[Part]]:
     for name in ("C1", "C2", "C3", "C4", "C6", "D2", "D3", "D4", "D6", "T", "O"):
         H = _rotations(name)
         found[name], found[f"J({name})"] = parts(H, []), parts(H, H)
-    for n, half in NEXT.items():
-        odd = [pi * k / n for k in range(1, n, 2)]
+    for n in (2, 4, 6):
+        half, odd = n // 2, [pi * k / n for k in range(1, n, 2)]
         found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
         # H′ is D_(n/2): every second rotation about the main axis and half turns about every second perpendicular axis
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
@@ -181,19 +179,9 @@ def over_the_rationals(genus: int) -> list[str]:
     So groups with identity component U(1) contain J, and groups with U(1)² contain an element that inverts both
     factors. Groups with U(1)² have four components: two factors with one field of complex multiplication would be
     isogenous, and a CM field of degree 4 is contained in the field of definition of the endomorphisms. Groups with
-    U(1) × SU(2) have two components. Not all of these groups occur.
+    U(1) × SU(2) have two components. Not every group in the list is that of a curve over QQ.
     """
-    never = {
-        "U(1)",
-        "F",
-        "Fa",
-        "Fab",
-        "G1,3",
-        "T",
-        "O",
-        *(f"C{n}" for n in (1, 2, 3, 4, 6)),
-        *(f"D{n}" for n in (2, 3, 4, 6)),
-    }
+    never = {"U(1)", "F", "Fa", "Fab", "G1,3", "T", "O", "C1", "C2", "C3", "C4", "C6", "D2", "D3", "D4", "D6"}
     return [name for name in groups(genus) if name not in never]
 
 
@@ -235,7 +223,7 @@ def moments_of_groups(most: int = 8) -> dict[str, list[int]]:
 def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
     """The quantities whose means are compared, (N, …), at N values of (a_1, a_2).
 
-    ``even``: where a_1 = 0 on the whole component; ``atom``: where the component may be a single value.
+    ``even``: where the component has a_1 = 0; ``atom``: where it may also have a single value of a_2.
     """
     columns = [a1**i * a2**j for i, j in EXPONENTS[genus]]
     return np.stack([*columns, even, *(atom & (np.abs(a2 - c) < 1e-9) for c in ATOMS)], axis=1).astype(float)
@@ -284,9 +272,9 @@ def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
 
 
 def _square(off: Any, covariance: Any, count: int, root: float) -> float:
-    """χ² of the means of ``count`` primes with the deviations ``off``; ``root``: the mean of 1/√p."""
+    """χ² of means over ``count`` primes that are ``off`` from the expected ones; ``root``: the mean of 1/√p."""
     slack = SLACK * np.sqrt(np.diag(covariance)) + 1e-6
-    # a generic integer a_1 is 0 with a probability of the order of 1/√p
+    # the integer a_1 may be 0 by chance, with a probability of the order of 1/√p
     slack[-len(ATOMS) - 1 :] += RARE * root
     return float(off @ np.linalg.solve(covariance / count + np.diag(slack**2), off))
 
@@ -303,7 +291,7 @@ def _telling(genus: int, first: str, other: str) -> int:
 
 
 def _tail(x: float, degrees: int) -> float:
-    """The probability that χ² exceeds x, for this number of degrees of freedom."""
+    """The probability that χ² with this number of degrees of freedom exceeds x."""
     from mpmath import mp
 
     return float(mp.gammainc(degrees / 2, x / 2, mp.inf, regularized=True))

@@ -28,8 +28,8 @@ def path_of(path: File, argument: str = "path") -> Path:
 
 
 class Saved:
-    """The state of a run in an .npz file of NumPy, replaced as a whole: a run that is killed leaves the last saved
-    state.
+    """The state of a run in an .npz file of NumPy. The file is replaced as a whole, so a run that is killed leaves the
+    last saved state.
     """
 
     def __init__(self, path: File, C: HyperellipticCurve, bound: int, genus: int) -> None:

@@ -1,13 +1,13 @@
-"""The last coefficients below x^p of f^((p−1)/2), for many primes side by side, from a window of coefficients before
-them.
+"""The coefficients of x^(p−1), x^(p−2), … in f^((p−1)/2), for many primes side by side, from d coefficients of lower
+powers.
 
 The recurrence of :mod:`jacobian.arithmetic.forest`, divided by 2k·f_0, is
 
     c_k = (1/k)·Σ (i·f_i/2f_0) c_(k−i) − Σ (f_i/f_0) c_(k−i)  (mod p)
 
-It is computed on balanced residues, as floats: for p < 2^24 and d ≤ 120 every sum is an integer below 2^53. Eight
-primes share the lanes of the processor's vectors. GROUPS such groups run at once, because their operations are
-independent. The inverses of ROUND neighbouring k take one exponentiation (Montgomery 1987; Fermat).
+It is computed on residues within ±p/2, as floats: for p < 2^24 and d ≤ 120 every sum is an integer below 2^53. A vector
+instruction computes for eight primes. GROUPS such groups of primes run at once, because their operations are
+independent. The inverses of ROUND successive k take one exponentiation (Montgomery 1987; Fermat).
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ WHOLE = 6755399441055744.0
 class Walks(NamedTuple):
     """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the d coefficients up to the index ``start``,
-    (N, T, d).
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: d coefficients, the last that of x^start, up to one
+    factor, (N, T, d).
     """
 
     primes: Any
@@ -42,9 +42,7 @@ class Walks(NamedTuple):
 
 
 def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
-    """(c_(p−1), …, c_(p−count)) with the scale factor of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo
-    p.
-    """
+    """(c_(p−1), …, c_(p−count)) up to the factor of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
     primes, ratios, start, window = walks
     size, translates, d = ratios.shape
     groups = -(-size // TOGETHER)
@@ -69,7 +67,7 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
             given = moduli[i], 1 / moduli[i], power[i], plain[i], weighted[i], windows[i]
             group = Group(*(np.ascontiguousarray(x).reshape(-1, LANES) for x in given))
             library().walk((start, d, count, translates), ends, group, room, out, total)
-            # the walk writes row n, of all lanes, when it arrives at prime n; only the lane of this prime is needed
+            # when the walk arrives at prime n, it writes the values of all primes; those of prime n are taken
             found[i] = out.reshape(TOGETHER, translates, count, LANES)[own, :, :, own % LANES]
             products[i] = total.reshape(TOGETHER, LANES)[own, own % LANES]
 
@@ -81,7 +79,7 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
 
 
 def _balanced(values: Any, p: Any) -> Any:
-    """The residues as floats within ±p/2, an array (N, all other axes joined)."""
+    """Residues 0 … p − 1, (N, …), as floats within ±p/2, (N, k)."""
     flat, p = values.reshape(len(p), -1), p[:, None]
     return (flat - p * (2 * flat > p)).astype(float)
 
@@ -92,7 +90,7 @@ def _lanes(values: Any, groups: int) -> Any:
 
 
 def _room(items: int) -> Any:
-    """An array of rows of LANES floats, aligned so that no row crosses a cache line."""
+    """An array of ``items`` rows of LANES floats, aligned so that no row crosses a cache line."""
     memory = np.zeros((items + 1) * LANES)
     begin = -memory.ctypes.data // 8 % LANES
     return memory[begin : begin + items * LANES].reshape(items, LANES)
@@ -116,10 +114,10 @@ class Group(NamedTuple):
 
 
 class Room(NamedTuple):
-    """The memory of a walk: the coefficients of a round (``states``) and the inverses of its k (``reciprocals``).
+    """The memory of a walk: the coefficients c_k of a round (``states``) and the inverses of its k (``reciprocals``).
 
-    For each group: the product of these k, its power with the exponent p − 2, and the product over all rounds
-    (``run``).
+    For each group of primes: ``product``, that of these k; ``power``, its inverse; ``run``, the product of the k of all
+    rounds.
     """
 
     states: Any
@@ -164,7 +162,7 @@ def rest(x: Any, p: Any, r: Any) -> Any:
 
 
 def invert(k: int, size: int, group: Any, room: Any) -> None:
-    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime, and multiplies the product of all rounds by these k + i."""
+    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime, and multiplies ``run`` by these k + i."""
     P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
     product, power = room.product, room.power
     for q in range(groups):
@@ -191,7 +189,7 @@ def invert(k: int, size: int, group: Any, room: Any) -> None:
 
 
 def steps(size: int, shape: Any, group: Any, room: Any) -> None:
-    """Makes ``size`` steps of all walks: state m + d of each walk is computed from its states m … m + d − 1."""
+    """Makes ``size`` steps of the recurrence: coefficient m + d of each walk from coefficients m … m + d − 1."""
     P, R, plain, weighted, states = group.primes, group.inverses, group.plain, group.weighted, room.states
     _, d, _, translates = shape
     groups = len(P)

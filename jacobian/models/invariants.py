@@ -1,9 +1,9 @@
 """Invariants of curves of genus 2: Igusa–Clebsch, Igusa, and three that determine a curve over the algebraic closure.
 
-Clebsch's invariants of the sextic F = h² + 4f are transvectants with denominators. Igusa's are polynomials, with
-integral coefficients, in the coefficients of f and h. Over a finite field the coefficients are therefore lifted to
-characteristic 0, to numbers or to polynomials modulo the lifted modulus, and Igusa's invariants are reduced back, in
-every characteristic.
+Clebsch's invariants of the sextic F = h² + 4f are transvectants, which have denominators. Igusa's are polynomials in
+the coefficients of f and h with integral coefficients. Over a finite field these coefficients are therefore lifted to
+characteristic 0 and the result is reduced, which works in every characteristic. Elements of GF(p^k) are lifted to
+polynomials modulo a lift of the polynomial that defines the field.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from jacobian.errors import ArgumentError, FieldError
 class Ring(NamedTuple):
     """The ring in which invariants are computed; its elements have + and −.
 
-    Its functions are the product, a rational multiple, and the conversions to and from the ring.
+    ``mul``: the product; ``scaled``: q·x for rational q; ``into`` and ``back``: the maps from and to the field.
     """
 
     into: Callable[[Any], Any]
@@ -92,27 +92,21 @@ def _genus_two(C: HyperellipticCurve[Element]) -> HyperellipticCurve:
 
 
 def _ring(K: Any) -> Ring:
-    if K.order is None and K.exact:
-        return Ring(lambda x: x, lambda x, y: x * y, lambda q, x: q * x, lambda x: x)
-    if not K.exact:
+    if K.order is None:
         return Ring(lambda x: x, K.mul, lambda q, x: K.mul(K.coerce(q), x), lambda x: x)
     if K.degree == 1:
         return Ring(Fraction, lambda x, y: x * y, lambda q, x: q * x, K.coerce)
     modulus = flint.fmpq_poly(list(map(int, K.modulus)))
-
-    def back(x: Any) -> Any:
-        return K.coerce([Fraction(int(c.p), int(c.q)) for c in x.coeffs()])
-
     return Ring(
         lambda x: flint.fmpq_poly([int(c) for c in K.coefficients(x)]),
         lambda x, y: x * y % modulus,
         lambda q, x: flint.fmpq(q.numerator, q.denominator) * x,
-        back,
+        lambda x: K.coerce([Fraction(int(c.p), int(c.q)) for c in x.coeffs()]),
     )
 
 
 def _sextic(C: HyperellipticCurve, ring: Ring) -> list[Any]:
-    """The seven coefficients of h² + 4f, lifted."""
+    """The seven coefficients of h² + 4f in the ring."""
     zero = ring.into(C.field.zero)
     f = [ring.into(c) for c in C.f] + [zero] * (7 - len(C.f))
     h = [ring.into(c) for c in C.h] + [zero] * (4 - len(C.h))

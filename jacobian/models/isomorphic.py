@@ -1,15 +1,15 @@
 """All isomorphisms between two curves of genus ≥ 2 over a finite field of odd characteristic or over QQ.
 
-An isomorphism maps the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
-determined by the images of three. So factors of F with three or more roots in total are chosen, and these roots are
-mapped in every possible way to roots of factors of the same degrees. Each choice gives a linear system over the field
-for (a : b : c : d) in x' = (ax + b)/(cx + d).
+An isomorphism maps the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and up to
+y ↦ −y − h it is determined by the images of three. So factors of F with three or more roots in total are chosen, and
+these roots are mapped in every possible way to roots of factors of the same degrees. Each choice gives a linear system
+over the field for (a : b : c : d) in x' = (ax + b)/(cx + d).
 
 Over QQ the same is done modulo a prime p of good reduction. The result is lifted to a solution of
-F'(ax + b, cx + d) = λF modulo powers of p, digit by digit, until the residues determine rational numbers. With
-integral F and F' the height of (a : b : c : d) is at most 6(‖F‖‖F'‖)³. Its entries are minors of rows
-(α, 1, −αβ, −β), α a root of F and β its image. The heights of α and β are at most the Mahler measures of F and F',
-which are at most the norms (Landau 1905).
+F'(ax + b, cx + d) = λF modulo powers of p, digit by digit, until the residues determine rational numbers. If F and F'
+are integral, the height of (a : b : c : d) is at most 6(‖F‖‖F'‖)³: it is orthogonal to three rows (α, 1, −αβ, −β), α a
+root of F and β its image, so a, b, c, d are 3 × 3 minors of these. The heights of α and β are at most the Mahler
+measures of F and F', which are at most the Euclidean norms ‖F‖ and ‖F'‖ (Landau 1905).
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ from jacobian.fields.protocol import Field
 from jacobian.fields.rational import primitive
 from jacobian.linear import echelon, solution
 from jacobian.models.isomorphism import Isomorphism, substituted
+from jacobian.relatives.torsion_lifts import rational_of
 
 Matrix = tuple[Any, Any, Any, Any]
-# a closed point of the projective line: its degree, and its monic irreducible polynomial, () for infinity
+# a closed point of the projective line over K: its degree, and its monic irreducible polynomial, () for infinity
 Place = tuple[int, poly.Poly]
 # the search for a prime of good reduction starts here
 FIRST = 1009
@@ -76,7 +77,7 @@ def _isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Isom
 
 
 def _with_matrix(C: HyperellipticCurve, E: HyperellipticCurve, matrix: Matrix) -> Iterator[Isomorphism]:
-    """Yields the isomorphisms with this matrix: F_E(ax + b, cx + d) = e²F_C, F = h² + 4f, gives e, both h give t."""
+    """Yields the isomorphisms with this matrix: e² is the factor in F_E(ax + b, cx + d) = e²F_C, F = h² + 4f."""
     K, n = C.field, C.genus + 1
     moved = substituted(K, E.discriminant, 2 * n, matrix)
     ratio = K.div(moved[-1], C.discriminant[-1])
@@ -115,15 +116,13 @@ def _matrices(K: Field, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
 
 
 def _places(K: Field, form: poly.Poly, genus: int) -> list[Place]:
-    """The pairs (degree, irreducible factor) of a form of degree 2g + 2 without double roots; the factor () is
-    infinity.
-    """
+    """The zeros of a form of degree 2g + 2 without double roots, as closed points."""
     found = [(len(P) - 1, P) for P, _ in factor(K, poly.monic(K, form))]
     return [*found, (1, ())] if len(form) == 2 * genus + 2 else found
 
 
 def _three(places: list[Place]) -> list[Place]:
-    """A few places with three points or more together: a single place, if there is one of degree three or more."""
+    """Closed points with degrees of sum ≥ 3: a single one, if there is one of degree ≥ 3."""
     for place in sorted(places):
         if place[0] >= 3:
             return [place]
@@ -136,9 +135,9 @@ def _three(places: list[Place]) -> list[Place]:
 
 
 def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
-    """For each conjugate β of Q's root, the linear system over K for aα + b = β(cα + d), where α is P's root.
+    """For each root β of Q's polynomial, a linear system over K for aα + b = β(cα + d), α being a fixed root of P's.
 
-    Its equations are the traces of the products with α^i.
+    Its equations are the traces over K of α^i times this equation, 0 ≤ i < deg P.
     """
     k = P[0]
     if k == 1:
@@ -171,9 +170,7 @@ def _trace(inclusion: Any, x: Any, k: int) -> Any:
 
 
 def _null_vector(K: Field, rows: list[list[Any]]) -> Matrix | None:
-    """The only solution of a system for (a : b : c : d), the first non-zero number being 1; None if there is no such
-    solution, or if ad = bc.
-    """
+    """The solution (a : b : c : d), its first non-zero number being 1; None if it is not unique, or if ad = bc."""
     pivots = echelon(K, rows, 4)
     if len(pivots) != 3:
         return None
@@ -230,7 +227,7 @@ def _lifted(p: int, forms: tuple[list[int], list[int]], matrix: Matrix, height: 
 
 
 def _moved(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[Any]:
-    """The form at (ax + b, cx + d), degree + 1 rational coefficients, ints where they are whole."""
+    """The coefficients of the form at (ax + b, cx + d), degree + 1 of them, ints where they are whole."""
     moved = substituted(QQ, tuple(form), degree, matrix)
     return [int(x) if x.denominator == 1 else x for x in (_entry(moved, j) for j in range(degree + 1))]
 
@@ -265,17 +262,7 @@ def _separable(p: int, form: Sequence[int]) -> bool:
 
 
 def _fractions(residues: Sequence[int], modulus: int) -> Matrix | None:
-    """The rational numbers with numerators and denominators below √(modulus/2) that have these residues, by Euclid's
-    algorithm (Wang 1981); None if a residue has no such number.
-    """
-    most, found = isqrt(modulus // 2), []
-    for residue in residues:
-        r0, r1, t0, t1 = modulus, residue % modulus, 0, 1
-        while r1 > most:
-            q = r0 // r1
-            r0, r1, t0, t1 = r1, r0 - q * r1, t1, t0 - q * t1
-        if t1 == 0 or abs(t1) > most:
-            return None
-        found.append(Fraction(r1, t1))
-    a, b, c, d = found
-    return a, b, c, d
+    """The rational numbers, of height up to √(modulus/2), that have these four residues, or None."""
+    pairs = [rational_of(c, modulus, isqrt(modulus // 2)) for c in residues]
+    a, b, c, d = (pair and Fraction(*pair) for pair in pairs)
+    return None if None in pairs else (a, b, c, d)

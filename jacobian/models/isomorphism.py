@@ -9,6 +9,7 @@ degree g + 1 and 2g + 2 in (x, 1), and δ = ad − bc. Then y² + hy = f becomes
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import Any, overload
 
 from jacobian import poly
@@ -63,16 +64,15 @@ class Isomorphism(Immutable):
     def _target(self, infinity_plus: Any) -> HyperellipticCurve:
         C, e, t = self.source, self.scale, self.move
         K, n = C.field, C.genus + 1
-        twice = poly.add(K, t, t)
-        h = poly.sub(K, poly.scale(K, e, C.h), twice)
         eh = poly.scale(K, e, C.h)
+        h = poly.sub(K, eh, poly.add(K, t, t))
         f = poly.add(K, poly.scale(K, K.mul(e, e), C.f), poly.mul(K, t, poly.sub(K, eh, t)))
         size = K.inv(_power(K, self.determinant, n))
         h, f = self._back(h, n), self._back(f, 2 * n)
         return HyperellipticCurve(K, poly.scale(K, K.mul(size, size), f), poly.scale(K, size, h), infinity_plus)
 
     def _back(self, form: poly.Poly, degree: int) -> poly.Poly:
-        """The form of this degree, substituted at (dx' − b, a − cx')."""
+        """The form k(x, z) of this degree at (dx' − b, a − cx'), a polynomial in x'."""
         K, (a, b, c, d) = self.source.field, self.matrix
         return substituted(K, form, degree, (d, K.neg(b), K.neg(c), a))
 
@@ -118,25 +118,24 @@ class Isomorphism(Immutable):
         K, (_, _, c, d) = C.field, self.matrix
         if D.jacobian.curve != C:
             raise CurveMismatch(f"D = {D!r} lies on {D.jacobian.curve!r}, the isomorphism begins at {C!r}")
-        written, zero = FormalSum.from_divisor(D), FormalSum.zero(E)
-        u = D.u
+        weights, u = FormalSum.from_divisor(D).weights, D.u
         points: list[tuple[Any, int]] = []
         if not K.is_zero(c):
             x = K.neg(K.div(d, c))
             m, u = without_root(K, u, x)
             if m:
                 points.append((AffinePoint(x, poly.evaluate(K, D.v, x)), m))
-        total = FormalSum(E, self._pair(u, D.v), (zero.numerator, zero.denominator), zero.weights)
+        total = FormalSum(E, self._pair(u, D.v))
         if C.model == "inert":
-            total = total + self._fibre(written.weights[0])
+            total = total + self._fibre(weights[0])
         else:
-            points += zip(C.points_at_infinity(), written.weights, strict=True)
+            points += zip(C.points_at_infinity(), weights, strict=True)
         for P, count in points:
             total = total + count * FormalSum.from_points(E, [self(P)])
         return total.divisor()
 
     def _pair(self, u: poly.Poly, v: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
-        """The image of a pair none of whose points goes to infinity."""
+        """The image of a pair (u, v) none of whose points is mapped to infinity."""
         K, (a, b, c, d) = self.source.field, self.matrix
         u = poly.monic(K, self._back(u, len(u) - 1))
         _, inverse = poly.half_xgcd(K, u, poly.trim(K, (a, K.neg(c)))) if len(u) > 1 else ((), ())
@@ -151,13 +150,12 @@ class Isomorphism(Immutable):
         return u, y
 
     def _fibre(self, weight: int) -> FormalSum:
-        """``weight`` times the image of the place at infinity of an inert model."""
+        """``weight`` times the image of the sum of the two conjugate points at infinity of an inert model."""
         E, K, (a, _, c, _) = self.target, self.source.field, self.matrix
-        zero = FormalSum.zero(E)
         if K.is_zero(c):
-            return FormalSum(E, (zero.u, zero.v), (zero.numerator, zero.denominator), (weight,))
+            return FormalSum(E, weights=(weight,))
         one, product = (K.one,), poly.from_roots(K, [K.div(a, c)] * abs(weight))
-        return FormalSum(E, (zero.u, zero.v), (product, one) if weight > 0 else (one, product), zero.weights)
+        return FormalSum(E, fibres=(product, one) if weight > 0 else (one, product))
 
     def inverse(self) -> Isomorphism:
         """The inverse isomorphism, from ``target`` to ``source``."""
@@ -197,12 +195,12 @@ class Isomorphism(Immutable):
 
 
 def substituted(K: Any, form: poly.Poly, degree: int, matrix: Sequence[Any]) -> poly.Poly:
-    """Σ k_i (ax + b)^i (cx + d)^(degree − i), for a form k of this degree."""
+    """Σ k_i (ax + b)^i (cx + d)^(degree − i), where the k_i are the coefficients of ``form``."""
     a, b, c, d = matrix
     above, below = poly.trim(K, (b, a)), poly.trim(K, (d, c))
     result: poly.Poly = ()
     power: poly.Poly = (K.one,)
-    # Horner's rule in the numerator; ``power`` is the power of the denominator that each coefficient lacks
+    # Horner's rule in ax + b; ``power`` is (cx + d)^(degree − i)
     for i in range(degree, -1, -1):
         result = poly.mul(K, result, above)
         result = poly.add(K, result, poly.scale(K, coefficient(K, form, i), power))
@@ -211,7 +209,4 @@ def substituted(K: Any, form: poly.Poly, degree: int, matrix: Sequence[Any]) -> 
 
 
 def _power(K: Any, x: Any, n: int) -> Any:
-    result = K.one
-    for _ in range(n):
-        result = K.mul(result, x)
-    return result
+    return reduce(K.mul, [x] * n, K.one)

@@ -1,8 +1,9 @@
 """Images of divisor classes under correspondences: the sum of the images of their points, computed without the points.
 
-A class of genus 2 in general position is P + Q minus infinity, (u, v) with deg u = 2. Over K[t]/u the point (t, v(t))
-is mapped to a pair (U_t, V_t) on the target, and the sum of both conjugates is (U, V) over K: U the norm of U_t, V the
-polynomial with V ≡ V_t modulo U_t. A class in special position is the difference of two classes in general position.
+A class of genus 2 in general position is that of P + Q minus two points at infinity, (u, v) with deg u = 2. Let A be
+the ring K[t]/u. The point (t, v(t)) over A is mapped to a pair (U_t, V_t) on the target. The sum of the pairs for both
+roots t of u is (U, V) over K, where U is the norm of U_t, and V ≡ V_t modulo U_t. A class in special position is
+written as the difference of two classes in general position.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ TRIES = 50
 
 
 class Family:
-    """A pair (U_t, V_t) over A = K[t]/u, deg u = 2. Elements of A are polynomials in t of degree at most one."""
+    """A pair (U_t, V_t) = (``modulus``, ``value``) over A = K[t]/u, deg u = 2: ascending coefficients in A.
+
+    Elements of A are polynomials in t of degree at most one; ``generator`` is t.
+    """
 
     def __init__(self, K: Field, u: poly.Poly) -> None:
         self.field, self.u = K, u
@@ -34,12 +38,7 @@ class Family:
         self.value: list[poly.Poly] = []
 
     def reduced(self, a: poly.Poly) -> poly.Poly:
-        """The element of A that a polynomial in t represents."""
         return poly.mod(self.field, a, self.u)
-
-    def plus(self, a: poly.Poly, b: poly.Poly) -> poly.Poly:
-        """The sum in A."""
-        return poly.add(self.field, a, b)
 
     def times(self, a: poly.Poly, b: poly.Poly) -> poly.Poly:
         """The product in A."""
@@ -69,7 +68,7 @@ class Family:
         self.value = rest
 
     def norm(self) -> poly.Poly:
-        """The product of both conjugates of U_t."""
+        """The polynomial U, the product of the U_t for both roots t of u."""
         K, (c, b, _) = self.field, self.u
         real = tuple(x[0] if x else K.zero for x in self.modulus)
         other = tuple(x[1] if len(x) > 1 else K.zero for x in self.modulus)
@@ -77,7 +76,7 @@ class Family:
         return poly.trim(K, poly.add(K, poly.sub(K, first, poly.scale(K, b, mixed)), poly.scale(K, c, last)))
 
     def trace(self) -> poly.Poly | None:
-        """The V with V ≡ V_t modulo U_t; None where conjugate points coincide."""
+        """The polynomial V, by a linear system; None if the U_t for both roots t of u have a common root."""
         K, size = self.field, len(self.modulus) - 1
         columns, power = [], [(K.one,), *[()] * (size - 1)]
         for _ in range(2 * size):
@@ -93,8 +92,8 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# arguments: a field L ⊇ K, the map K[x] → L[x] for the correspondence, u, v; result: the Family of the images of the
-# points of (u, v), or None
+# describes a correspondence. Arguments: a field L ⊇ K, the map K[x] → L[x], u, v over L; result: the Family of the
+# images of the points of (u, v), or None if they are not defined
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 
@@ -122,6 +121,8 @@ def _fields(K: Any) -> Iterator[Any]:
 
 
 def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callable[[Any], Any]) -> Divisor | None:
+    """The image of D, or of D + R minus that of R for a class R; None if no R has both in general position."""
+
     def image(R: Divisor) -> Divisor | None:
         """The image of a class P + Q minus infinity with P and Q in general position."""
         family = families(E.field, lambda a: tuple(map(move, a)), R.u, R.v) if R.degree == 2 else None
@@ -129,7 +130,7 @@ def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callabl
         if family is None or value is None:
             return None
         u = family.norm()
-        # the fibre of C over x = ∞ is mapped to a multiple of that of E: ∞₊ and ∞₋ are subtracted equally often
+        # the points of C over x = ∞ are mapped to a multiple of those of E, so ∞₊ and ∞₋ are subtracted equally often
         n = (E.genus + 1) // 2 - (len(u) - 1) // 2 if E.model == "split" else None
         return E.jacobian()._reduced(u, value, n)
 
@@ -144,7 +145,7 @@ def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callabl
 
 
 def _others(D: Divisor) -> Iterator[Divisor]:
-    """Classes R to be added to D: multiples of D, then random classes."""
+    """Yields multiples of D, then random classes."""
     multiple, rng = D, Random(f"{D!r}")
     for _ in range(8):
         multiple = multiple + D

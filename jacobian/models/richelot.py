@@ -1,12 +1,13 @@
 """(2,2)-isogenies of Jacobians of curves of genus 2 (Richelot 1837; Bost & Mestre 1988; Smith 2005, chapter 8).
 
 Let y² = G₁G₂G₃ with quadratic (or linear) G_i, D the determinant of their coefficients, ascending, and H_i = G_j'G_k −
-G_jG_k' (i, j, k cyclic). The kernel is {0, div(G₁), div(G₂), div(G₃)} and the target Y² = D·H₁H₂H₃. The curve
+G_jG_k' for (i, j, k) = (1, 2, 3), (2, 3, 1), (3, 1, 2). The kernel consists of 0 and the classes of the points over the
+roots of each G_i; the target is the Jacobian of Y² = D·H₁H₂H₃. The isogeny maps the class of a point (x, y) to that of
+the two points (X, Y) with
 
-    G₁(x)H₁(X) + G₂(x)H₂(X) = 0,    yY = D·G₁(x)H₁(X)(x − X)
+    G₁(x)H₁(X) + G₂(x)H₂(X) = 0,    yY = D·G₁(x)H₁(X)(x − X).
 
-of pairs of points maps each point to two points. With D = 0 there is no such curve: the target is a product of two
-elliptic curves (:class:`Splitting`).
+If D = 0, the target is a product of two elliptic curves instead (:class:`Splitting`).
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class RichelotIsogeny(Immutable):
         self.determinant = determinant(K, self.quadratics)
         if K.is_zero(self.determinant):
             raise ArgumentError("quadratics: their determinant is 0, the target is a product: see Splitting")
-        self.images = _brackets(K, self.quadratics)
+        G1, G2, G3 = self.quadratics
+        self.images = _bracket(K, G2, G3), _bracket(K, G3, G1), _bracket(K, G1, G2)
         product = poly.mul(K, poly.mul(K, self.images[0], self.images[1]), self.images[2])
         self.target = HyperellipticCurve(K, poly.scale(K, self.determinant, product))
 
@@ -55,16 +57,16 @@ class RichelotIsogeny(Immutable):
         return pushed(self.source, self.target, D, self._family)
 
     def _family(self, L: Field, move: Mapped, u: poly.Poly, v: poly.Poly) -> Family | None:
-        """(U, V) on the target for the points of (u, v), over L[t]/u, or None for points in special position."""
+        """The image (U_t, V_t) of (t, v(t)), t in L[t]/u; None if it is not defined at both points of (u, v)."""
         family = Family(L, u)
         (G1, G2), (H1, H2) = (map(move, pair[:2]) for pair in (self.quadratics, self.images))
         g1, g2 = family.reduced(G1), family.reduced(G2)
         h1, h2 = ([poly.trim(L, (coefficient(L, H, i),)) for i in range(3)] for H in (H1, H2))
-        form = [family.plus(family.times(g1, x), family.times(g2, y)) for x, y in zip(h1, h2, strict=True)]
+        form = [poly.add(L, family.times(g1, x), family.times(g2, y)) for x, y in zip(h1, h2, strict=True)]
         factor = family.over(poly.mul(L, g1, move((self.determinant,))), v)
         if factor is None or not family.set_modulus(form):
             return None
-        # V is D·G₁(t)/v · H₁(X)(t − X)
+        # V_t = D·G₁(t)/v(t) · H₁(X)(t − X)
         rising = [family.times(family.generator, x) for x in h1]
         cubic = [poly.sub(L, x, y) for x, y in zip([*rising, ()], [(), *h1], strict=True)]
         family.set_value([family.times(factor, c) for c in cubic])
@@ -106,9 +108,10 @@ class DualIsogeny(Immutable):
 class Splitting(Immutable):
     """The isogeny from the Jacobian of y² = G₁G₂G₃ with linearly dependent G_i to two elliptic curves.
 
-    There are s₁, s₂, one of them possibly ∞, with G_i = a_i(x − s₁)² + b_i(x − s₂)². By X = ((x − s₁)/(x − s₂))² the
-    curve covers Y² = Π(a_iX + b_i) and Y² = Π(a_i + b_iX). ``source``, ``targets``: the curves; ``split(D)``: the two
-    images of a class. FieldError where s₁ and s₂ are conjugate; it names the field that contains them.
+    There are s₁, s₂, one of them possibly ∞, with G_i = a_i(x − s₁)² + b_i(x − s₂)². The curve covers Y² = Π(a_iX +
+    b_i) by X = ((x − s₁)/(x − s₂))², and Y² = Π(a_i + b_iX) by the inverse of this X. ``source``, ``targets``: the
+    curves; ``split(D)``: the two images of a class. FieldError where s₁ and s₂ are conjugate; it names the field that
+    contains them.
     """
 
     def __init__(self, source: HyperellipticCurve, quadratics: Quadratics) -> None:
@@ -186,14 +189,10 @@ def quadratic_splittings(C: HyperellipticCurve) -> Iterator[Quadratics]:
     if any(len(P) > 3 for P in irreducible):
         return
     for choice in _pairings(list(range(len(lines)))):
-        products = [_product(K, lines[i], lines[j]) for i, j in choice]
+        # () among ``lines`` stands for the point at infinity
+        products = [poly.mul(K, lines[i] or (K.one,), lines[j] or (K.one,)) for i, j in choice]
         first, second, third = sorted([*pairs, *products], key=lambda G: (len(G), G))
         yield poly.scale(K, C.f[-1], first), second, third
-
-
-def _product(K: Field, a: poly.Poly, b: poly.Poly) -> poly.Poly:
-    """The product of two linear forms; () stands for the point at infinity."""
-    return poly.mul(K, a or (K.one,), b or (K.one,))
 
 
 def _pairings(rest: list[int]) -> Iterator[list[tuple[int, int]]]:
@@ -207,14 +206,11 @@ def _pairings(rest: list[int]) -> Iterator[list[tuple[int, int]]]:
 
 
 def kernel(C: HyperellipticCurve, quadratics: Quadratics) -> list[Divisor]:
-    """The classes of the G_i in the Jacobian of C."""
+    """The classes of the points over the roots of each G_i in the Jacobian of C."""
     K, J = C.field, C.jacobian()
-    return [J._reduced(poly.monic(K, G), (), _even_weight(C, G)) for G in quadratics]
-
-
-def _even_weight(C: HyperellipticCurve, G: poly.Poly) -> int | None:
-    # infinity is no branch point of a split model, so all three G have degree 2 and the weight at infinity is 0
-    return 0 if C.model == "split" else None
+    # on a split model infinity is no branch point, so the G_i have degree 2; n = 0 means minus ∞₊ + ∞₋
+    n = 0 if C.model == "split" else None
+    return [J._reduced(poly.monic(K, G), (), n) for G in quadratics]
 
 
 def determinant(K: Field, quadratics: Quadratics) -> Any:
@@ -233,40 +229,26 @@ def _checked(C: HyperellipticCurve, quadratics: Any) -> tuple[HyperellipticCurve
     first, second, third = given
     if C.h or poly.mul(K, poly.mul(K, first, second), third) != C.f or C.genus != 2:
         raise ArgumentError(f"quadratics: their product is not the f of {C!r}, or h ≠ 0")
-    if any(len(G) > 3 for G in (first, second, third)):
+    if any(len(G) > 3 for G in given):
         raise ArgumentError("quadratics: one of them is of degree 3 or more")
     return C, (first, second, third)
 
 
-def _brackets(K: Field, quadratics: Quadratics) -> Quadratics:
-    first, second, third = quadratics
-
-    def bracket(a: poly.Poly, b: poly.Poly) -> poly.Poly:
-        slopes = poly.derivative(K, a), poly.derivative(K, b)
-        return poly.sub(K, poly.mul(K, slopes[0], b), poly.mul(K, a, slopes[1]))
-
-    return bracket(second, third), bracket(third, first), bracket(first, second)
+def _bracket(K: Field, a: poly.Poly, b: poly.Poly) -> poly.Poly:
+    """a'b − ab': by Euler's relation half the Jacobian determinant of two forms of degree 2."""
+    return poly.sub(K, poly.mul(K, poly.derivative(K, a), b), poly.mul(K, a, poly.derivative(K, b)))
 
 
 def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
-    """The matrix of x' = (x − s₁)/(x − s₂): s₁ and s₂ are the fixed points of the involution that all G_i share.
-
-    The involution exchanges the roots of each G_i. Its fixed points are the roots of the Jacobian
-    determinant of any two independent G_i.
+    """The matrix of x' = (x − s₁)/(x − s₂), where s₁ and s₂ are the fixed points of the involution of the line that
+    exchanges the roots of each G_i. They are the roots of the Jacobian determinant of any two independent G_i.
     """
-    for a, b in combinations(quadratics, 2):
-        jacobian = poly.sub(K, poly.mul(K, poly.derivative(K, a), b), poly.mul(K, a, poly.derivative(K, b)))
-        # by Euler's relation this is half the Jacobian determinant of the two forms of degree 2
-        if jacobian:
-            break
-    degree = len(jacobian) - 1
-    fixed = roots(K, jacobian)
-    if len(fixed) != degree or degree == 0:
+    jacobian = next(filter(None, (_bracket(K, a, b) for a, b in combinations(quadratics, 2))))
+    degree, fixed = len(jacobian) - 1, roots(K, jacobian)
+    if len(fixed) != degree:
         raise FieldError(
             f"field = {K.name}: the elliptic curves are conjugate, over the field of the roots of "
             f"{poly.text(K, jacobian)}: C.change_ring takes C there"
         )
-    one, zero = K.one, K.zero
-    if degree == 1:
-        return one, K.neg(fixed[0]), zero, one
-    return one, K.neg(fixed[0]), one, K.neg(fixed[1])
+    # with a single root s₂ is ∞
+    return K.one, K.neg(fixed[0]), *((K.zero, K.one) if degree == 1 else (K.one, K.neg(fixed[1])))

@@ -33,14 +33,6 @@ SHOWN_PRIMES, SHOWN_POINTS = 5, 12
 MOST_HEIGHT, MOST_DIGITS = 10_000, 200
 
 
-class Limits(NamedTuple):
-    """Limits: the bound of primes, the height of the abscissas of rational points, the digits of real numbers."""
-
-    bound: int
-    height: int
-    digits: int
-
-
 def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
     """A page about a curve over QQ of any genus: invariants, points, torsion, periods, endomorphisms.
 
@@ -53,32 +45,31 @@ def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digit
     bound = whole(bound, "bound", "the largest prime is an int from 64 on", 64)
     height = whole(height, "height", f"the height of x is an int, 1 … {MOST_HEIGHT}", 1, MOST_HEIGHT)
     digits = whole(digits, "digits", f"the digits are an int, 5 … {MOST_DIGITS}", 5, MOST_DIGITS)
-    facts = Facts(C, Limits(bound, height, digits))
+    facts = Facts(C, bound, height, digits)
     return Page(C, tuple(line for name, source, ask in LINES for line in _asked(facts, name, source, ask)))
 
 
 class Facts:
-    """Values that several lines share, computed at the first use."""
+    """The arguments of :func:`summary`, and values that several lines share, computed at the first use."""
 
-    def __init__(self, C: HyperellipticCurve, limits: Limits) -> None:
-        self.curve, self.limits = C, limits
+    def __init__(self, C: HyperellipticCurve, bound: int, height: int, digits: int) -> None:
+        self.curve, self.bound, self.height, self.digits = C, bound, height, digits
 
     @cached_property
     def l_polynomials(self) -> LPolynomials:
-        found: LPolynomials = self.curve.l_polynomials(self.limits.bound)
-        return found
+        return self.curve.l_polynomials(self.bound)
 
     @cached_property
     def torsion(self) -> RationalTorsion:
-        return self.curve.jacobian().rational_torsion(min(self.limits.height, 1000))
+        return self.curve.jacobian().rational_torsion(min(self.height, 1000))
 
     @cached_property
     def generators(self) -> Generators:
-        return from_points(self.curve.jacobian(), self.limits.height, self.limits.digits)
+        return from_points(self.curve.jacobian(), self.height, self.digits)
 
     @cached_property
     def real_period(self) -> Any:
-        return real_period(period_balls(self.curve, self.limits.digits + 5))
+        return real_period(period_balls(self.curve, self.digits + 5))
 
     @cached_property
     def endomorphisms(self) -> Endomorphisms:
@@ -175,13 +166,13 @@ def _order(sigma: Any, one: Any) -> int:
 
 
 def _points(facts: Facts) -> Answer:
-    found = list(facts.curve.points(facts.limits.height))
+    found = list(facts.curve.points(facts.height))
     rest = f" and {len(found) - SHOWN_POINTS} more" if len(found) > SHOWN_POINTS else ""
     listed = ", ".join(
         f"({written(P.x)}, {written(P.y)})" if isinstance(P, AffinePoint) else repr(P) for P in found[:SHOWN_POINTS]
     )
     value = [[str(P.x), str(P.y)] if isinstance(P, AffinePoint) else repr(P) for P in found]
-    return Answer(f"{len(found)} with x of height ≤ {facts.limits.height}: {listed}{rest}", value)
+    return Answer(f"{len(found)} with x of height ≤ {facts.height}: {listed}{rest}", value)
 
 
 def _branch_points(facts: Facts) -> Answer:
@@ -215,16 +206,15 @@ def _rank(facts: Facts) -> Answer | None:
 
 
 def _generators(facts: Facts) -> Answer | None:
-    if facts.curve.genus != 2 or not facts.generators.classes:
+    if facts.curve.genus != 2 or not (found := facts.generators.classes):
         return None
-    found = facts.generators.classes
     return Answer("; ".join(map(str, found)), [_pair(D) for D in found], CONJECTURAL)
 
 
 def _regulator(facts: Facts) -> Answer | None:
     if facts.curve.genus != 2 or not facts.generators.classes:
         return None
-    return _ball(facts.generators.regulator, facts.limits.digits)
+    return _ball(facts.generators.regulator, facts.digits)
 
 
 def _ball(x: Any, digits: int) -> Answer:
@@ -238,7 +228,7 @@ def _ball(x: Any, digits: int) -> Answer:
 
 
 def _real_period(facts: Facts) -> Answer:
-    return _ball(facts.real_period, facts.limits.digits)
+    return _ball(facts.real_period, facts.digits)
 
 
 def _euler_factors(facts: Facts) -> Answer | None:
@@ -274,14 +264,14 @@ def _sato_tate(facts: Facts) -> Answer | None:
 
 
 def _quotient(facts: Facts) -> Answer | None:
-    """Ω·Reg/#torsion². By the conjecture of Birch and Swinnerton-Dyer this is L^(r)(1)/r! divided by #Ш and the
-    Tamagawa numbers, if the generators found generate J(QQ) modulo torsion and the equation is minimal.
+    """Ω·Reg/#torsion². By the conjecture of Birch and Swinnerton-Dyer this is L^(r)(1)/r! divided by #Ш and the product
+    of the Tamagawa numbers, if the generators found generate J(QQ) modulo torsion and the equation is minimal.
     """
     if facts.curve.genus != 2 or not facts.torsion.proven:
         return None
-    with BallReals(64 + 4 * facts.limits.digits):
+    with BallReals(64 + 4 * facts.digits):
         found = facts.real_period * facts.generators.regulator / facts.torsion.found.order**2
-    return _ball(found, facts.limits.digits)
+    return _ball(found, facts.digits)
 
 
 LINES: tuple[tuple[str, str, Ask], ...] = (

@@ -35,9 +35,7 @@ class Line(NamedTuple):
 
 @dataclass(frozen=True)
 class Page:
-    """A page about ``curve``; ``page["torsion"]`` is one of its lines. The page prints as text, and notebooks
-    show it as a table.
-    """
+    """A page about ``curve``; ``page["torsion"]`` is a line of it. It prints as text; notebooks show a table."""
 
     curve: HyperellipticCurve
     lines: tuple[Line, ...]

@@ -17,12 +17,10 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import JacobianError, NotOnCurve, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.law.divisor import Divisor
-from jacobian.periods.image import AbelImage, Point, full_weight, plus
-from jacobian.periods.matrix import Oval, PeriodMatrix, nearest, periods, real_periods
-from jacobian.periods.quadrature import Vector, complex_field, working_numbers
+from jacobian.periods.image import AbelImage, Point, full_weight
+from jacobian.periods.matrix import nearest, periods
+from jacobian.periods.quadrature import Vector, complex_field, plus, working_numbers
 from jacobian.periods.roots import horner
-
-__all__ = ["AbelMap", "Oval", "PeriodMatrix", "periods", "real_periods"]
 
 # the largest numbers of Newton steps from all starts together, in doubles and in 40 digits
 MOST_STEPS, MOST_LONG_STEPS = 1000, 100
@@ -90,8 +88,9 @@ class AbelMap(AbelImage):
         return self._checked(result, target)
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
-        """D, if its image agrees with the target to all but 8 digits; else PrecisionLoss. The check is needed
-        because the coefficients of D may not determine its points."""
+        """D, if its image agrees with the target to all but 8 digits; else PrecisionLoss. The points of D are the roots
+        of u, which may be ill-conditioned.
+        """
         image = self._image_of(self._points_of(D), self._weight_of(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(plus(target, image, -1)))
         if not size < 10**8 * self.field.eps:
@@ -102,7 +101,7 @@ class AbelMap(AbelImage):
         return D
 
     def _rough_inverse(self, target: Vector) -> list[Point]:
-        """Points whose image is near the target, as working numbers: in doubles or, if that fails, in 40 digits."""
+        """Points whose image is near the target, from a search in doubles or, if that fails, in 40 digits."""
         from jacobian.fields import CC, MP
 
         numbers, failure = self.cover.numbers, ""
@@ -117,7 +116,6 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(failure)
 
     def _on_field(self, field: Field) -> AbelMap:
-        """The map over another field, cached."""
         if field not in self._others:
             convert = working_numbers(field).convert
             # roots with fewer digits than the field are computed again
@@ -127,16 +125,13 @@ class AbelMap(AbelImage):
         return self._others[field]
 
     def _search(self, target: Vector) -> list[Point]:
-        """Points whose image is near the target, from several starts."""
-        rng, failure, steps = (
-            Random(0),
-            "no start",
-            iter(range(MOST_STEPS if self.cover.numbers.machine else MOST_LONG_STEPS)),
-        )
+        """Points whose image is near the target, by continuation from up to six random divisors."""
+        rng, failure = Random(0), "no start"
+        steps = iter(range(MOST_STEPS if self.cover.numbers.machine else MOST_LONG_STEPS))
         for _ in range(6):
             try:
                 points = self._by_continuation(target, rng, steps)
-                if self._residual_size(points, target) < 1e-3:
+                if max(map(abs, self.periods.coordinates(self._gap(points, target)))) < 1e-3:
                     return points
                 failure = "the path missed the target"
             except (JacobianError, ArithmeticError) as error:
@@ -144,6 +139,10 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(f"z = {shown(target)}: no divisor of weight g was found there ({failure})")
 
     def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
+        """Points whose image is near the target; Newton's method follows the segment from the image of random points.
+
+        It takes its steps from the iterator ``steps``, and ends with PrecisionLoss where they are used up.
+        """
         points = self._start(rng)
         begin, gap = self._image_of(points, full_weight(self.curve)), self._gap(points, target)
         done, step, tried = 0.0, 0.25, 0
@@ -159,6 +158,7 @@ class AbelMap(AbelImage):
         return points
 
     def _start(self, rng: Random) -> list[Point]:
+        """g random points with abscissas near the branch points."""
         roots = [complex(e) for e in self.cover.roots]
         centre = sum(roots) / len(roots)
         radius = max(abs(e - centre) for e in roots)
@@ -166,27 +166,20 @@ class AbelMap(AbelImage):
         convert = self.cover.numbers.convert
         return [self._above(convert(x), rng.choice((1, -1)) * (1 + 1j)) for x in xs]
 
-    def _residual_size(self, points: Sequence[Point], target: Vector) -> Any:
-        return max(abs(c) for c in self.periods.coordinates(self._gap(points, target)))
-
     def _polished(
         self, points: list[Point], target: Vector, allowed: Iterable[int] = range(12), tolerance: Any = None
     ) -> list[Point]:
-        """The points after Newton's method for the image ``target``, with steps Σ x_i^k dx_i/Y_i = gap_k.
+        """The points after Newton's method for the image ``target``; ``tolerance``: the largest coordinate of the gap.
 
-        PrecisionLoss where it does not converge within the steps ``allowed``.
+        PrecisionLoss if it does not converge within the steps ``allowed``.
         """
-        g, numbers = self.curve.genus, self.cover.numbers
-        digits = numbers.digits
-        if len(points) != g:
-            raise PrecisionLoss(f"a divisor of weight {len(points)} < g = {g} came up")
-        last = size = None
+        numbers, last, size = self.cover.numbers, None, None
         for _ in allowed:
             gap = self._gap(points, target)
             size = max(abs(c) for c in self.periods.coordinates(gap))
-            if size < (tolerance or numbers.ten(3 - digits)) or (
-                last is not None and last <= size < numbers.ten(6 - digits)
-            ):
+            if size < (tolerance or numbers.ten(3 - numbers.digits)):
+                return points
+            if last is not None and last <= size < numbers.ten(6 - numbers.digits):
                 return points
             if last is not None and size > 2 * last:
                 break
@@ -204,11 +197,7 @@ class AbelMap(AbelImage):
 
 def complexified(curve: HyperellipticCurve, field: Any) -> HyperellipticCurve:
     """``curve`` over a complex field; the point ∞₊ stays ∞₊."""
-    machine = field.dps is None
-
-    def move(c: Any) -> Any:
-        return complex(c) if machine else field.coerce(c)
-
+    move: Any = complex if field.dps is None else field.coerce
     f, h = [move(c) for c in curve.f], [move(c) for c in curve.h]
     result = HyperellipticCurve(field, f, h)
     if curve.model == "split":

@@ -1,9 +1,9 @@
 """The Abel–Jacobi map and its inverse in balls: images with proven errors, and divisors proven to have a given image.
 
 The image is that of :mod:`jacobian.periods.image`, with the quadratures of :mod:`jacobian.periods.balls`. The inverse
-starts from the floats of :class:`jacobian.periods.abel.AbelMap`; Newton's method in the midpoints of balls sharpens
-them, and the interval Newton operator on a box of x-coordinates (Moore 1966) proves that exactly one divisor above the
-box has the given image.
+begins with approximate points from :class:`jacobian.periods.abel.AbelMap` in floats. Newton's method in the midpoints
+of balls sharpens them. Then the interval Newton operator (Moore 1966) on a box of x-coordinates proves that exactly one
+divisor with x in the box has the given image.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class AbelBalls(Immutable):
     def _floats(self) -> AbelMap:
         from jacobian.fields import CC
 
-        # the branch points are given, because coefficients in doubles do not determine clusters of them
+        # the branch points are passed on, because the coefficients in doubles do not determine clusters of them
         return AbelMap(complexified(self.curve, CC), [complex(e) for e in self.periods.cover.roots])
 
     def _radius(self) -> Any:
@@ -122,7 +122,7 @@ class AbelBalls(Immutable):
 
 
 class _Image(AbelImage):
-    """The map at one precision. It is evaluated while the precision of its numbers is in force."""
+    """The map at one precision; its methods are called inside ``with numbers.working():``."""
 
     def __init__(self, curve: HyperellipticCurve, periods: PeriodMatrix) -> None:
         self.periods, self.given, self.curve = periods, curve, curve
@@ -164,6 +164,7 @@ class _Image(AbelImage):
         return self._divisor([self._above(x, Y) for x, (_, Y) in zip(found, points, strict=True)])
 
     def _sharpened(self, points: list[Point], target: Vector) -> list[Point]:
+        """The points after Newton's method in midpoints, until the steps no longer halve."""
         last = None
         for _ in range(MOST_STEPS):
             steps = self._steps(points, self._gap(points, target))

@@ -1,4 +1,4 @@
-"""The double cover of a curve in balls: proven branch points, half-periods with proven errors.
+"""The double cover Y² = f + h²/4 of the line in balls: proven branch points, half-periods with proven errors.
 
 The coefficients count as exact: numbers of RR, CC and MP are dyadic fractions.
 """
@@ -16,7 +16,7 @@ from jacobian.periods.balls import BallNumbers, ball_numbers, exact_parts, semi_
 from jacobian.periods.branched_cover import BranchedCover, rough_root
 from jacobian.periods.quadrature import Vector, path_from
 
-# an edge that needs more nodes per digit than this is integrated from both ends, in pieces
+# an edge that needs more Chebyshev nodes per digit than this is integrated from both ends, in pieces
 NODES_A_DIGIT = 20
 
 
@@ -35,23 +35,23 @@ class BallCover(BranchedCover):
             self.real = imaginary.degree() < 0
             self.lead = self.coefficients[-1]
             self.roots = ball_roots(self.numbers, real, imaginary)
-            if len(self.roots) != len(self.coefficients) - 1:
-                raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
             for e, other in combinations(self.roots, 2):
                 # at this distance decisions made in doubles are right
                 if not 2**30 * (e.rad() + other.rad()) < abs(e - other):
+                    if self.real and real.gcd(real.derivative()).degree() > 0:
+                        raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
                     raise PrecisionLoss(f"the branch points {e} and {other} are not separated; use more digits")
         self._rough = [complex(e) for e in self.roots]
 
     def rounded(self, matrix: Sequence[Vector]) -> tuple[tuple[Any, ...], ...]:
-        """Rows of balls as tuples."""
+        """The rows as tuples; balls are not rounded."""
         return tuple(map(tuple, matrix))
 
     def _moments(self, others: Vector, count: int) -> Vector:
         numbers = self.numbers
         axes = [semi_axis(u) for u in others]
         try:
-            n, rho = numbers.rule([float(axis) for axis in axes], 0.5, NODES_A_DIGIT * numbers.digits)
+            n, rho = numbers.rule([float(axis) for axis in axes], NODES_A_DIGIT * numbers.digits)
         except Infeasible:
             return self._moments_from_ends(others, count)
         cosh, size = rho.cosh(), 2 / ((2 * rho * n).exp() - 1)
@@ -60,7 +60,7 @@ class BallCover(BranchedCover):
         return [numbers.widened(x, size * cosh**m) for m, x in enumerate(self._means(others, n, count))]
 
     def _moments_from_ends(self, others: Vector, count: int) -> Vector:
-        """The moments by integrals from −1 and from 1 to 0, for edges with other branch points near to their ends."""
+        """The same as ∫_{−1}^0 − ∫_1^0, each integral in pieces: for edges with branch points near to their ends."""
         numbers = self.numbers
         roots = [numbers.convert(-1), numbers.convert(1), *others]
         right = sum(1 for u in others if u.real > 0)
@@ -77,7 +77,7 @@ class BallCover(BranchedCover):
         return [(x - y) / numbers.pi for x, y in zip(below, above, strict=True)]
 
     def tree(self) -> list[tuple[int, int]]:
-        """The edges of the tree, chosen in floats and proven to be disjoint except for their ends."""
+        """The edges of the tree, chosen in floats and proven to have at most an end in common."""
         edges = super().tree()
         for first, second in combinations(edges, 2):
             if not set(first) & set(second) and not (self._aside(first, second) or self._aside(second, first)):
@@ -107,7 +107,7 @@ def exact_equation(curve: HyperellipticCurve) -> tuple[Any, Any]:
 
 
 def exact_polynomial(coefficients: Sequence[Any]) -> tuple[Any, Any]:
-    """The real and the imaginary part of a polynomial of exact numbers."""
+    """The real and the imaginary part of a polynomial of numbers taken as exact, as flint's fmpq_poly."""
     from flint import fmpq, fmpq_poly
 
     parts = [exact_parts(c) for c in coefficients]

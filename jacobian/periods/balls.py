@@ -6,9 +6,9 @@ the ellipse with foci ±1 and semi-axis cosh ρ. Then their errors are at most:
 * Gauss–Chebyshev, n nodes, ∫ φ/√(1−t²): 2πM/(e^(2ρn) − 1) (Chawla & Jain 1968; Molin & Neurohr 2019, section 4);
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
-For a point u outside, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for t on that ellipse, by the triangle inequality.
-The choice between two square roots is made in doubles. This needs the argument of a root with an error below 30°, and
-no path comes so near to a branch point that the error is larger.
+For a point u outside the ellipse, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for all t on it, by the triangle inequality;
+so M is bounded by the singularities u. The choice between two square roots is made in doubles. This needs the argument
+of a root with an error below 30°, and no path comes so near to a branch point that the error is larger.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from typing import Any
 
 from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
-from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums
+from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums, plus
 
-# the quadrature tries Bernstein ellipses with these fractions of the largest ρ, and with ρ at most MOST_RHO
+# the error bound is tried with ellipses of these fractions of the largest possible ρ, which is at most MOST_RHO
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
-# a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to LEAST_PIECE:
-# doubles then give the arguments of all factors to 1e-6
+# a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to the
+# half-length LEAST_PIECE, at which doubles give the arguments of all factors to 1e-6
 NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-30
 
 
 class BallNumbers(Numbers):
-    """Complex balls of ``bits`` bits, the working numbers of a cover. Compute inside ``with numbers.working():``."""
+    """Complex balls of ``bits`` bits as working numbers. Compute inside ``with numbers.working():``."""
 
     def __init__(self, bits: int) -> None:
         import flint
@@ -106,11 +106,11 @@ class BallNumbers(Numbers):
         return found
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces that are halved near singularities.
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces of [0, 1], shorter ones near singularities.
 
-        The argument ``rate`` is not used.
+        ``rate`` is not used.
         """
-        pieces, total = [(0.0, 1.0)], None
+        pieces, total = [(0.0, 1.0)], list[Any]()
         while pieces:
             start, end = pieces.pop()
             part = self._piece(ratios, forms, start, end)
@@ -118,8 +118,8 @@ class BallNumbers(Numbers):
                 middle = (start + end) / 2
                 pieces += [(start, middle), (middle, end)]
             else:
-                total = part if total is None else [x + y for x, y in zip(total, part, strict=True)]
-        return total or []
+                total = plus(total, part) if total else part
+        return total
 
     def _piece(self, ratios: Vector, forms: Forms, start: float, end: float) -> Vector | None:
         """The integral from ``start`` to ``end``, or None where that takes too many nodes."""
@@ -128,12 +128,12 @@ class BallNumbers(Numbers):
         middle, half = (0.0, end) if start == 0 else ((start + end) / 2, (end - start) / 2)
         axes = []
         for ratio in ratios:
-            # the singularities of a ratio near 0 are at a large distance
+            # the singularities s = ±1/√ratio; a ratio near 0 may be a ball around 0
             w = 1 / self.sqrt(ratio) if abs(ratio) > 1e-30 else self.convert(10**15)
             axes.append(tuple(semi_axis((sign * w - middle) / half) for sign in (1, -1)))
         most = NODES_A_DIGIT * self.digits + MORE_NODES
         try:
-            n, rho = self.rule([float(axis) for pair in axes for axis in pair], 0.5, most)
+            n, rho = self.rule([float(axis) for pair in axes for axis in pair], most)
         except Infeasible:
             if half < LEAST_PIECE:
                 raise
@@ -153,15 +153,15 @@ class BallNumbers(Numbers):
         sums = path_sums(self, [self.convert(t) for t in nodes], weights, ratios, forms)
         return [self.widened(x, error * abs(form)) for x, form in zip(sums, forms(s * s), strict=True)]
 
-    def rule(self, axes: Sequence[float], power: float, most: int) -> tuple[int, Any]:
+    def rule(self, axes: Sequence[float], most: int) -> tuple[int, Any]:
         """(number of nodes, ρ of the ellipse in the error bound) of a rule; Infeasible beyond ``most`` nodes.
 
-        The integrand has singularities of this ``power`` on ellipses with the semi-axes ``axes``.
+        The integrand is Π(t − u)^(−1/2) times a polynomial; ``axes``: the semi-axes of the ellipses through the u.
         """
         widest = min(MOST_RHO, *(math.acosh(max(axis, 1.0)) for axis in axes)) if axes else MOST_RHO
 
         def needed(rho: float) -> float:
-            growth = -power * sum(math.log(1 - math.cosh(rho) / axis) for axis in axes)
+            growth = -0.5 * sum(math.log(1 - math.cosh(rho) / axis) for axis in axes)
             return (self.bits * math.log(2) + growth) / (2 * rho)
 
         if not widest > 1e-12:

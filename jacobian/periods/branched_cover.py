@@ -1,9 +1,10 @@
 """A curve as a double cover Y² = F(x) = f + h²/4 of the line: branch points, a spanning tree of them, half-periods.
 
-The cycles are the lifts of the edges of the Euclidean minimal spanning tree of the branch points (2g edges), integrated
-by Gauss–Chebyshev quadrature (after Molin and Neurohr 2019, with this tree). Two lifts that share a branch point cross
-there once, in the local parameter Y. No other lifts meet, since the edges of a minimal tree are disjoint. The
-directions of the cycles give the sign of a crossing.
+An edge is a segment between two branch points, and its lift to the curve is a closed path, a cycle. The cycles used are
+the lifts of the 2g edges of the Euclidean minimal spanning tree of the branch points (after Molin and Neurohr 2019,
+with this tree); integrals are computed by Gauss–Chebyshev quadrature. The lifts of two edges with a common end cross
+there once; Y is a local parameter, and the directions of the lifts in Y give the sign of the crossing. No other lifts
+meet, since the edges of a minimal tree are disjoint except for their ends.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 class Edge(NamedTuple):
     """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
 
-    ``directions``: the direction of Y/√F' on the edge's cycle at i and at j, a number of modulus 1.
+    ``directions``: the directions, of modulus 1, of Y/√F'(e) on the edge's lift at its ends e, i and j.
     """
 
     i: int
@@ -32,9 +33,9 @@ class Edge(NamedTuple):
 
 
 class BranchedCover:
-    """The double cover Y² = lead·Π(x − e) of a curve: its working numbers and its branch points e.
+    """The double cover Y² = lead·Π(x − e): ``roots``, the branch points e, as the working numbers ``numbers``.
 
-    ``roots``: the e in any order, if known.
+    The argument ``roots``: the e in any order, if known.
     """
 
     def __init__(self, curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> None:
@@ -56,6 +57,7 @@ class BranchedCover:
         self._rough = [complex(e) for e in self.roots]
 
     def _check(self, roots: Sequence[Any]) -> Vector:
+        """The given roots as working numbers; ArgumentError if Π(x − e) is not F/lead."""
         numbers, degree = self.numbers, len(self.coefficients) - 1
         if isinstance(roots, str) or not isinstance(roots, Iterable) or len(roots := list(roots)) != degree:
             raise ArgumentError(f"roots = {shown(roots)}: {degree} numbers are needed, the roots of f + h²/4")
@@ -100,8 +102,8 @@ class BranchedCover:
     def edge(self, i: int, j: int, count: int | None = None) -> Edge:
         """The edge from branch point i to j with its integrals of x^k dx/Y, k < ``count`` (by default g), on one sheet.
 
-        They are computed by Gauss–Chebyshev quadrature. With x = middle + half·t and the ``others`` u_k, Y =
-        c·√(1−t²)·Π√(±(t − u_k)), where each √(±(t − u_k)) is holomorphic near [−1, 1].
+        In the variable t, x = middle + half·t, let the u_k be the other branch points. Then
+        Y = c·√(1−t²)·Π√(±(t − u_k)), where the signs are such that each √(±(t − u_k)) is holomorphic near [−1, 1].
         """
         numbers = self.numbers
         a, b = self.roots[i], self.roots[j]
@@ -115,7 +117,7 @@ class BranchedCover:
             factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
             for k in range(len(moments))
         ]
-        # the directions of Y/√(x − e) at both ends, relative to the fixed root of F' there
+        # the directions of Y/√(x − e) at both ends e, divided by a fixed root of F'(e)
         rough = [(complex(u), u.real > 0) for u in others]
         start = _unit(_unit(c) * rough_root(rough, -1) / self._slope_root(i))
         end = _unit(-_unit(c) * rough_root(rough, 1) / self._slope_root(j))
@@ -165,7 +167,7 @@ def _unit(z: Any) -> complex:
 
 
 def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
-    """Π√(±(t − u)) to a few digits, each root principal; ``others``: pairs of u and whether Re u > 0, where ± is −."""
+    """Π√(±(t − u)) with principal roots, to a few digits; ``others``: pairs (u, whether ± is −, as for Re u > 0)."""
     value = 1 + 0j
     for u, right in others:
         # for t in [−1, 1] the radicand stays off the negative axis
@@ -174,9 +176,10 @@ def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
 
 
 def crossings(edges: Sequence[Edge]) -> list[list[int]]:
-    """The matrix of intersection numbers of the edges' cycles, from their directions at common branch points.
+    """The matrix of intersection numbers of the edges' lifts, from their directions at common branch points.
 
-    Edges of a minimal tree meet at 60° or more, their lifts at 30° or more; PrecisionLoss where two lifts nearly touch.
+    Edges of a minimal tree meet at 60° or more, and their lifts in Y at 30° or more. PrecisionLoss if two lifts nearly
+    touch.
     """
     size = len(edges)
     matrix = [[0] * size for _ in range(size)]

@@ -1,10 +1,10 @@
 """Endomorphisms of a Jacobian over the complex numbers, found from its period matrix.
 
 An endomorphism is an integer 2g × 2g matrix R with A·Π = Π·R for some g × g matrix A, where Π = (Π_1, Π_2) are the
-periods. With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) the relation is b + τd − aτ − τcτ = 0. It is linear in R, so its integer
-solutions are the small vectors of a lattice (Lenstra, Lenstra & Lovász 1982; van Wamelen 1999). An endomorphism is
-defined over QQ if A is rational, because the x^k dx/Y are a basis over QQ. The rational endomorphisms too are small
-vectors of a lattice.
+periods. With τ = Π_1⁻¹Π_2 and R = (a, b; c, d) this is equivalent to b + τd − aτ − τcτ = 0, which is linear in R. So
+integer solutions are found as small vectors of a lattice (Lenstra, Lenstra & Lovász 1982; van Wamelen 1999). An
+endomorphism is defined over QQ if A is rational, because the x^k dx/Y are a basis of the differentials over QQ.
+Integral combinations of the R with integral A are found as small vectors of another lattice.
 """
 
 from __future__ import annotations
@@ -80,17 +80,13 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
 
 
 def _equations(tau: Any, g: int) -> list[list[Any]]:
-    """The rows of the linear map R = (a, b; c, d) ↦ b + τd − aτ − τcτ, one for each entry of a, b, c, d in turn."""
-    rows = []
-    for block, i, j in product("abcd", range(g), range(g)):
-        entry = {
-            "a": lambda k, m, i=i, j=j: -tau[j][m] if k == i else 0,
-            "b": lambda k, m, i=i, j=j: int((k, m) == (i, j)),
-            "c": lambda k, m, i=i, j=j: -tau[k][i] * tau[j][m],
-            "d": lambda k, m, i=i, j=j: tau[k][i] if m == j else 0,
-        }[block]
-        rows.append([entry(k, m) + 0 * tau[0][0] for k, m in product(range(g), repeat=2)])
-    return rows
+    """The images b + τd − aτ − τcτ of the matrices R = (a, b; c, d) with a single entry 1, in the order a, b, c, d."""
+    from flint import acb_mat
+
+    t = acb_mat(tau)
+    units = [acb_mat([[int((k, m) == at) for m in range(g)] for k in range(g)]) for at in product(range(g), repeat=2)]
+    images = [[-E * t for E in units], units, [-t * E * t for E in units], [t * E for E in units]]
+    return [image.entries() for block in images for image in block]
 
 
 def _relations(rows: Sequence[Sequence[Any]], digits: int) -> list[list[int]]:
@@ -110,6 +106,7 @@ def _relations(rows: Sequence[Sequence[Any]], digits: int) -> list[list[int]]:
 
 
 def _blocks(v: Sequence[int], g: int) -> Integers:
+    """The matrix (a, b; c, d) with the entries v of a, b, c, d in turn."""
     a, b, c, d = ([v[n * g * g + i * g : n * g * g + (i + 1) * g] for i in range(g)] for n in range(4))
     return tuple((*x, *y) for x, y in [*zip(a, b, strict=True), *zip(c, d, strict=True)])
 

@@ -1,8 +1,9 @@
-"""From divisors to ℂ^g: integrals of x^k dx/(y + h/2) from a branch point to the points of a divisor.
+"""From divisors to ℂ^g: integrals of x^k dx/(y + h/2) from a branch point e₀ to the points of a divisor.
 
-The path from a branch point e to a point P is x = e + (x_P − e)s², on which Y/s has no zero; e is the branch point of
-fastest convergence. Integrals between branch points are half-periods (:mod:`jacobian.periods.branched_cover`). On a
-ramified model the integral from ∞ to e₀ is −Σ ∫_{e₀}^{e_i}, since Σ e_i − (2g+1)∞ is the divisor of Y.
+The path to a point P begins at the branch point e from which the quadrature converges fastest, and is
+x = e + (x_P − e)s², 0 ≤ s ≤ 1; with Y = y + h/2, Y/s has no zero on it. The integral from e₀ to e is a half-period
+(:mod:`jacobian.periods.branched_cover`). On a ramified model the integral from ∞ to e₀ is −Σ ∫_{e₀}^{e_i}, since
+Σ e_i − (2g+1)∞ is the divisor of Y.
 """
 
 from __future__ import annotations
@@ -16,16 +17,18 @@ from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, entries, s
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
 from jacobian.periods.matrix import PeriodMatrix, solve
-from jacobian.periods.quadrature import Vector, from_branch_point
+from jacobian.periods.quadrature import Vector, from_branch_point, plus
 from jacobian.periods.roots import horner, simple_roots
 
 Point = tuple[Any, Any]
 
+# a straight path may pass too near to a branch point. Then x = c + 1/ξ is substituted, with c in one of these
+# directions from the branch points' centre: a straight path of ξ is an arc of a circle in x
 _DIRECTIONS = (0.37 + 1.93j, 0.52 - 1.71j, -1.86 - 0.44j, 1.77 + 0.23j)
 
 
 class AbelImage(Immutable):
-    """The images of divisors of the curves ``given`` and ``curve``, by the integrals of a PeriodMatrix."""
+    """Maps divisors of ``given``, or of the same curve over the complex field, ``curve``, to ℂ^g modulo periods."""
 
     periods: PeriodMatrix
     given: HyperellipticCurve
@@ -33,7 +36,7 @@ class AbelImage(Immutable):
 
     @property
     def cover(self) -> Any:
-        """The branch points, and the working numbers in which the integrals are computed."""
+        """The branch points, and the numbers in which the integrals are computed."""
         return self.periods.cover
 
     def check_divisor(self, D: Any) -> Divisor:
@@ -59,15 +62,15 @@ class AbelImage(Immutable):
         return [(x, horner(v, x) + self._half_h(x)) for x in simple_roots(numbers, u)]
 
     def _above(self, x: Any, rough: Any) -> Point:
-        """The point (x, Y) whose Y is the root nearer to ``rough``."""
+        """The point (x, Y) of Y² = f + h²/4 whose Y is nearer to ``rough``."""
         return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
 
     def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
-        """target − image of g points, reduced modulo periods."""
+        """``target`` minus the image of the class of g points, reduced modulo periods."""
         return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.curve)), -1))
 
     def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:
-        """The Newton steps dx_i of the abscissas: Σ x_i^k dx_i/Y_i = gap_k, k < g."""
+        """The changes dx_i of the abscissas in Newton's method: Σ x_i^k dx_i/Y_i = gap_k, k < g."""
         return solve([[x**k / Y for x, Y in points] for k in range(self.curve.genus)], gap)
 
     def _half_h(self, x: Any) -> Any:
@@ -75,7 +78,7 @@ class AbelImage(Immutable):
         return horner([self.cover.numbers.convert(c) for c in h], x) / 2 if h else 0
 
     def _weight_of(self, D: Divisor) -> int:
-        """The weight w for which D has the class Σ(P_i − e₀) + w·(∞₊ − e₀), on a ramified model + w·(e₀ − ∞)."""
+        """The w with D = Σ(P_i − e₀) + w·(∞₊ − e₀) as classes, on a ramified model Σ(P_i − e₀) + w·(e₀ − ∞)."""
         degree = len(D.u) - 1
         if D.jacobian.curve.model == "ramified":
             return degree
@@ -88,7 +91,7 @@ class AbelImage(Immutable):
         return plus(total, self._from_infinity(), weight) if weight else total
 
     def _to_point(self, point: Point) -> Vector:
-        """The integrals from e₀ to a point, modulo periods, along an arc of a circle where no straight path works."""
+        """The integrals from e₀ to a point, modulo periods; the path to it is straight or an arc of a circle."""
         g, cover = self.curve.genus, self.cover
 
         def forms(x: Any) -> Vector:
@@ -109,7 +112,7 @@ class AbelImage(Immutable):
         raise failure
 
     def _outside(self, direction: complex) -> Any:
-        """A point in the given direction from the branch points, at some distance from them."""
+        """A point in the given direction from the centre of the branch points, at some distance from all of them."""
         roots = self.cover.roots
         centre = sum(roots) / len(roots)
         radius = max(abs(e - centre) for e in roots)
@@ -150,6 +153,7 @@ class AbelImage(Immutable):
         if self.curve.model == "ramified":
             return [-sum(values) for values in zip(*self.half_periods, strict=True)]
         g, numbers = self.curve.genus, self.cover.numbers
+        # Y/x^(g+1) at ∞₊
         value = numbers.convert(self.curve.infinity_plus)
         if len(self.given.h) == g + 2:
             value += numbers.convert(self.given.h[g + 1]) / 2
@@ -157,10 +161,6 @@ class AbelImage(Immutable):
         return self._to_image(self._outside(_DIRECTIONS[0]), numbers.convert(0), value)
 
 
-def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
-    return [x + factor * y for x, y in zip(a, b, strict=True)]
-
-
 def full_weight(curve: HyperellipticCurve) -> int:
-    """The weight, as in ``_weight_of``, of the class that ``from_points`` makes of g points."""
+    """The w of ``_weight_of`` for the class that ``from_points`` makes of g points."""
     return curve.genus if curve.model == "ramified" else -(curve.genus % 2)

@@ -1,12 +1,15 @@
 """Kleinian functions of genus 2: ℘_ij and ζ_i at z in ℂ², as symmetric functions of the divisor with the image z.
 
-On Y² = F(x) let z = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, and let e be a branch point (where Y = 0) or infinity. For two
-points (s, S) and (t, T) among these three, ℘_11 + ℘_12 (s + t) + ℘_22 st = (F(s, t) − 2ST)/(4(s − t)²) with the polar
-form F(s, t) = Σ s^i t^i (2F_2i + F_2i+1 (s + t)) (Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the
-differentials ρ_j of :mod:`jacobian.periods.second_kind`, ζ_j = −Σ ∫ ρ_j + ½ Σ Y_k·c_j(x_k)/Π′(x_k), c_1 = 2x − e − x_1
-− x_2 and c_2 = 1 (after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's polynomial u, where
-no quotient becomes 0/0 when P_1 and P_2 coincide: with F = V² + u·w the right-hand side for P_1, P_2 is −(w_0 + u_0 w_2
-+ u_0² w_4)/4.
+On Y² = F(x) let z be the image of P_1 + P_2, z = Σ ∫ (dx/Y, x dx/Y), and let e be a branch point or infinity. For any
+two points (s, S) and (t, T) among P_1, P_2 and, for finite e, (e, 0),
+
+    ℘_11 + ℘_12 (s + t) + ℘_22 st = (F(s, t) − 2ST)/(4(s − t)²),    F(s, t) = Σ s^i t^i (2F_2i + F_2i+1 (s + t))
+
+(Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the differentials ρ_j of
+:mod:`jacobian.periods.second_kind`, ζ_j = −Σ ∫ ρ_j + ½ Σ Y_k·c_j(x_k)/Π′(x_k), c_1 = 2x − e − x_1 − x_2 and c_2 = 1
+(after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's polynomial u, so that no quotient
+becomes 0/0 when P_1 and P_2 coincide: if F = V² + u·w, the right-hand side for P_1, P_2 is −(w_0 + u_0 w_2 + u_0²
+w_4)/4.
 """
 
 from __future__ import annotations
@@ -19,9 +22,9 @@ from jacobian.errors import ArgumentError, PrecisionLoss, shown, whole
 from jacobian.immutable import Immutable
 from jacobian.periods.abel import AbelMap
 from jacobian.periods.abel_balls import AbelBalls
-from jacobian.periods.image import AbelImage, plus
+from jacobian.periods.image import AbelImage
 from jacobian.periods.matrix import nearest
-from jacobian.periods.quadrature import Vector, from_branch_point
+from jacobian.periods.quadrature import Vector, from_branch_point, plus
 from jacobian.periods.roots import horner
 from jacobian.periods.second_kind import SecondKind, moments, second_kind
 
@@ -97,56 +100,51 @@ class KleinianFunctions(Immutable):
         u, v = ([numbers.convert(c) for c in row] for row in (found.u, found.v))
         if len(u) < 3:
             raise PrecisionLoss(f"z = {shown(z)}: the functions have poles there, or nearly")
-        half_h = [numbers.convert(c) / 2 for c in self.abel.curve.h]
-        quotient = _Quotient(u)
-        V = plus([*v, 0, 0][:2], quotient.reduced(half_h))
-        return _Divisor(quotient, V, [numbers.convert(c) for c in self._image.cover.coefficients])
+        return _Divisor(u, v, [numbers.convert(c) / 2 for c in self.abel.curve.h])
 
     def _wp(self, at: _Divisor) -> Vector:
-        Q, F = at.quotient, [*at.F, *[0] * (7 - len(at.F))]
-        s, p = Q.s, Q.p
-        w = Q.divided([c - d for c, d in zip(F, [*_square(at.V), *[0] * 4], strict=True)])
+        numbers, coefficients = self._image.cover.numbers, self._image.cover.coefficients
+        F = [*map(numbers.convert, coefficients), *[0] * (7 - len(coefficients))]
+        s, p, (v0, v1) = at.s, at.p, at.V
+        w = at.divided([c - d for c, d in zip(F, [v0 * v0, 2 * v0 * v1, v1 * v1, *[0] * 4], strict=True)])
         both = -(w[0] + p * w[2] + p * p * w[4]) / 4
         if self.branch_point is None:
             return [both, -F[5] * p / 4, F[5] * s / 4]
         e = self._image.cover.roots[self.branch_point]
         odd, even = [0, *F[1::2], 0], F[::2]
         polar = [2 * even[i] * e**i + odd[i + 1] * e ** (i + 1) + (odd[i] * e ** (i - 1) if i else 0) for i in range(4)]
-        inverse = Q.inverse(e)
-        b, a = Q.times(Q.reduced([c / 4 for c in polar]), Q.times(inverse, inverse))
-        p22 = (both - b + (e - s) * a) / Q.value(e)
+        inverse = at.inverse(e)
+        b, a = at.times(at.reduced([c / 4 for c in polar]), at.times(inverse, inverse))
+        p22 = (both - b + (e - s) * a) / horner(at.u, e)
         return [b - e * a + e * e * p22, a - e * p22, p22]
 
     def _algebraic(self, at: _Divisor) -> Vector:
         """The algebraic part of (ζ_1, ζ_2): ½ Σ Y_k·c_j(x_k)/Π′(x_k)."""
         if self.branch_point is None:
             return [at.V[1] / 2, 0]
-        Q, e = at.quotient, self._image.cover.roots[self.branch_point]
-        over = Q.times(at.V, Q.inverse(e))
-        return [Q.times(over, [-e - Q.s, 2])[1] / 2, over[1] / 2]
+        e = self._image.cover.roots[self.branch_point]
+        over = at.times(at.V, at.inverse(e))
+        return [at.times(over, [-e - at.s, 2])[1] / 2, over[1] / 2]
 
     def _integrals(self, at: _Divisor) -> tuple[Vector, Vector]:
         """Σ ∫ of x^k dx/Y, k < 2, and of ρ_1, ρ_2 from branch point 0 to both points, along the same paths."""
         cover = self._image.cover
         powers: Vector = [0] * 5
-        middle = at.quotient.s / 2
-        beside = cover.numbers.sqrt(middle * middle - at.quotient.p)
+        middle = at.s / 2
+        beside = cover.numbers.sqrt(middle * middle - at.p)
         for x in (middle + beside, middle - beside):
             i, values = from_branch_point(
                 cover.numbers, cover.roots, cover.lead, (x, horner(at.V, x)), lambda t: [t**k for k in range(5)]
             )
             powers = plus(plus(powers, self._halves[i]), values)
-        second = [
-            sum(cover.numbers.convert(c) * x for c, x in zip(row, powers, strict=True))
-            for row in self._second.polynomials
-        ]
-        return powers[:2], second
+        rows = [[cover.numbers.convert(c) for c in row] for row in self._second.polynomials]
+        return powers[:2], [sum(c * x for c, x in zip(row, powers, strict=True)) for row in rows]
 
     @cached_property
     def _halves(self) -> dict[int, Vector]:
         """The integrals of x^k dx/Y, k < 5, from branch point 0 to each branch point, along the edges of the tree.
 
-        The path to a branch point outside the tree continues from the nearest neighbour of this point.
+        The path to the branch point outside the tree, if there is one, ends with a segment from its nearest neighbour.
         """
         cover = self._image.cover
         found: dict[int, Vector] = {0: [cover.numbers.convert(0)] * 5}
@@ -158,19 +156,15 @@ class KleinianFunctions(Immutable):
         return found
 
 
-class _Divisor(NamedTuple):
-    """The divisor P_1 + P_2: the ring of polynomials modulo u, the interpolant V of Y modulo u, and F."""
+class _Divisor:
+    """The divisor P_1 + P_2 as (u, V), V = v + h/2 modulo u, and the ring of polynomials modulo u = x² − s·x + p.
 
-    quotient: _Quotient
-    V: Vector
-    F: Vector
+    Elements of the ring are two coefficients, ascending.
+    """
 
-
-class _Quotient:
-    """The ring of polynomials modulo u = x² − s·x + p; its elements are two coefficients, ascending."""
-
-    def __init__(self, u: Vector) -> None:
+    def __init__(self, u: Vector, v: Vector, half_h: Vector) -> None:
         self.u, self.s, self.p = u, -u[1], u[0]
+        self.V = plus([*v, 0, 0][:2], self.reduced(half_h))
 
     def times(self, a: Vector, b: Vector) -> Vector:
         top = a[1] * b[1]
@@ -191,14 +185,7 @@ class _Quotient:
             rest[i] -= self.p * found[i]
         return found
 
-    def value(self, e: Any) -> Any:
-        return horner(self.u, e)
-
     def inverse(self, e: Any) -> Vector:
         """The inverse of x − e, by u = (x − e)(x + e − s) + u(e)."""
-        value = self.value(e)
+        value = horner(self.u, e)
         return [(self.s - e) / value, -1 / value]
-
-
-def _square(a: Vector) -> Vector:
-    return [a[0] * a[0], 2 * a[0] * a[1], a[1] * a[1]]

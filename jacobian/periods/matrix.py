@@ -13,7 +13,7 @@ from jacobian.errors import ArgumentError, FieldError, PrecisionLoss
 from jacobian.immutable import Immutable
 from jacobian.linear import pivoted
 from jacobian.periods.branched_cover import BranchedCover, Edge, crossings
-from jacobian.periods.quadrature import Vector
+from jacobian.periods.quadrature import Vector, plus
 
 Matrix = list[list[Any]]
 
@@ -31,8 +31,9 @@ class PeriodMatrix(Immutable):
     """Periods of x^k dx/(y + h/2), k < g, as numbers of a complex field or as balls.
 
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
-    crossings. ``cover``, ``edges``, ``working``: branch points, half-periods and (A, B) in working numbers.
-    ``cycles``: a_1 … a_g, b_1 … b_g as sums of the lifts of the edges. ``recipe``: the call that makes this again.
+    crossings. ``cover`` and ``edges``: branch points, and the tree of segments between them with half-periods;
+    ``cycles``: a_1 … a_g, b_1 … b_g as integral combinations of the lifts of the edges. ``working``: (A, B) with guard
+    digits. ``recipe``: the call that makes this again.
     """
 
     A: tuple[tuple[Any, ...], ...]
@@ -145,18 +146,14 @@ def symplectic_basis(matrix: list[list[int]]) -> list[list[int]]:
                 raise PrecisionLoss("the crossings of the cycles do not form a unimodular matrix; use more digits")
             if all(dot(a, v) == 0 for v in rest[1:]):
                 break
-            rest[1:] = [_combined(v, b, -(dot(a, v) // size_b)) for v in rest[1:]]
+            rest[1:] = [plus(v, b, -(dot(a, v) // size_b)) for v in rest[1:]]
         if abs(size_b) != 1:
             raise PrecisionLoss("the crossings of the cycles do not form a unimodular matrix; use more digits")
         b = [size_b * x for x in b]
-        rest = [_combined(v, a, -dot(v, b)) for v in rest[1:]]
+        rest = [plus(v, a, -dot(v, b)) for v in rest[1:]]
         first.append(a)
         second.append(b)
     return first + second
-
-
-def _combined(v: list[int], w: list[int], m: int) -> list[int]:
-    return [x + m * y for x, y in zip(v, w, strict=True)]
 
 
 def _check_riemann(result: PeriodMatrix) -> None:

@@ -1,7 +1,8 @@
 """Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
 
-A compiled loop sums an integrand over the nodes of a rule in double-doubles. The rule is a Gauss rule or, where real
-branch points nearly meet, the trapezoidal rule in log(v/(1 − v)), v the fraction of the path from its start.
+A compiled loop sums an integrand over the nodes of a quadrature rule in double-doubles. With x = a + (b − a)v on a path
+from a to b, the rule is a Gauss rule in v or, where real branch points nearly meet, the trapezoidal rule in
+log(v/(1 − v)).
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ DIGITS = 33
 # largest number of nodes of a Gauss rule: if more are needed, branch points nearly meet. If all branch points are real,
 # the trapezoidal rule is shorter than a Gauss rule of more than MOST_NODES_IF_REAL nodes
 MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
-# number of nodes on either side of the middle of a path, SPACING apart in log(v/(1 − v)). The rule's error is
-# e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 if a branch point lies at a
-# distance of 1e-42 from an end
+# number of nodes of the trapezoidal rule on either side of the middle of a path, SPACING apart in log(v/(1 − v)). Its
+# error is e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 if a branch point
+# lies at a distance of 1e-42 from an end
 NODES, SPACING = 1000, 0.25
 # distance of a point x from a branch point, relative to |x|, below which rounding may put x on its other side
 NEAR = 2.0**-140
@@ -97,9 +98,8 @@ def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vec
 
 
 class StraightPath(NamedTuple):
-    """A straight path from a to b: for each other branch point e, the end nearer to e and whether that is b.
-
-    ``factor`` is Π√(end − e), ``poles`` are (other end − end)/(end − e).
+    """A straight path from a to b. For each other branch point e, ``ends`` has the end nearer to e, and ``sides``
+    whether it is b; ``poles`` has (other end − end)/(end − e). ``factor`` is Π√(end − e).
     """
 
     ends: list[Complex]
@@ -108,7 +108,7 @@ class StraightPath(NamedTuple):
     factor: Complex
 
     def graded(self, count: int) -> bool:
-        """Whether the trapezoidal rule is better than ``count`` nodes of a Gauss rule."""
+        """Whether the trapezoidal rule is used rather than a Gauss rule of ``count`` nodes."""
         if count > MOST_NODES_IF_REAL and not any(q.imag for q in self.poles):
             return True
         if count > MOST_NODES:
@@ -141,10 +141,10 @@ def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex]:
 
 
 def path_sums(rule: Row, poles: Row, sides: Row, out: Row) -> None:
-    """Writes the sums of weight/w and v·weight/w, w = Π√(1 + sq), over the nodes of a rule.
+    """Writes the sums of weight/w and v·weight/w over the nodes of a rule, w = Π√(1 + sq) over the poles q.
 
-    ``rule`` has v, 1 − v and the weight of each node. ``poles`` are the q, real and imaginary parts; s is v where the
-    item of ``sides`` is 0, and 1 − v where it is 1.
+    ``rule`` has v, 1 − v and the weight of each node; ``poles`` has the real and imaginary parts of the q. s is v where
+    the item of ``sides`` is 0, and 1 − v where it is 1.
     """
     zero = 0 * rule[0]
     a, b, c, d = zero, zero, zero, zero
@@ -179,18 +179,17 @@ LIBRARY = Library("path_sums", {"path_sums": (path_sums, (WIDES, WIDES, INTS, WI
 
 
 def nodes_needed(poles: Sequence[Complex]) -> int:
-    """The number of nodes, a multiple of 8, of a rule on [−1, 1] for an integrand with these branch points."""
+    """The number of nodes, a multiple of 8, of a Gauss rule on [−1, 1] for an integrand singular at the ``poles``."""
     rates = []
     for pole in map(complex, poles):
         beyond = (pole * pole - 1) ** 0.5
         rates.append(log(max(abs(pole + beyond), abs(pole - beyond))))
     count = ceil(DIGITS * log(10) / (2 * max(min(rates), 1e-9))) + 6
-    # with multiples of 8 fewer rules are computed and cached
     return count + -count % 8
 
 
 def rule_of(nodes: Iterable[tuple[Complex, Complex, Complex]]) -> Row:
-    """The rows (v, 1 − v, weight) of a rule in double-doubles."""
+    """The array in double-doubles of a rule with these (v, 1 − v, weight)."""
     return double_double_row(x for row in nodes for x in row)
 
 
@@ -219,7 +218,7 @@ def legendre_rule(count: int) -> Row:
 
 @cache
 def logistic_rule(regular: bool) -> Row:
-    """The trapezoidal rule in t = log(v/(1 − v)), for dv/√(v(1 − v)), or dv/√v if the integrand is ``regular`` at 1.
+    """The trapezoidal rule in t = log(v/(1 − v)), for dv/√(v(1 − v)), or for dv/√v if ``regular``.
 
     If all branch points are real and outside [0, 1], the nearest singularities in t are ±iπ. So the accuracy does not
     depend on how near the branch points are to [0, 1].

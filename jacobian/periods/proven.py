@@ -18,8 +18,8 @@ def period_balls(curve: HyperellipticCurve, digits: int = 30) -> PeriodMatrix:
     """The PeriodMatrix of a curve over QQ, RR, CC or MP(dps), of any genus, in balls (python-flint's acb).
 
     The coefficients are taken as exact. Radii are at most 10^−digits of the largest entry of (A, B); each ball contains
-    the exact number, and the cycles cross as a symplectic basis does. ArgumentError for a singular curve, PrecisionLoss
-    where the branch points are not separated.
+    the exact number, and the cycles cross as a symplectic basis does. ArgumentError for real coefficients with a double
+    branch point, PrecisionLoss where the branch points are not separated.
     """
     digits = whole(digits, "digits", f"the digits of the periods are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
     bits = int(3.33 * digits) + 24 + 4 * check_curve(curve).genus

@@ -1,4 +1,4 @@
-"""Integration on a hyperelliptic curve: working numbers with guard digits, nodes, weights, paths.
+"""Integration on a hyperelliptic curve: numbers with guard digits, nodes and weights, paths from a branch point.
 
 Gauss–Chebyshev quadrature is used for ∫ φ(t)/√(1−t²) dt and Fejér's first rule (1933) for ∫ φ(t) dt on [−1, 1]. Both
 have the same n nodes. For φ analytic in the ellipse with foci ±1 and sum of semi-axes r, their errors fall as r^(−2n)
@@ -99,7 +99,7 @@ class Numbers:
         return self._weights[n]
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds by Fejér's rule; each node adds ``rate`` digits."""
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds over all ``ratios`` by Fejér's rule; each node adds ``rate`` digits."""
         # the number of nodes is limited, since computing the weights takes time proportional to its square
         n = self.node_count(rate, 500 + 10 * self.digits)
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
@@ -107,7 +107,7 @@ class Numbers:
     def node_count(self, digits_per_node: float, most: int = MOST_NODES) -> int:
         """The number of nodes that suffice if each adds ``digits_per_node``; Infeasible if it exceeds ``most``.
 
-        It is rounded up to one of few even numbers, so that rules are shared.
+        It is rounded up to one of a few even numbers, so that fewer rules have to be computed.
         """
         needed = (self.digits + 3) / digits_per_node if digits_per_node > 0 else math.inf
         if needed > most:
@@ -129,6 +129,11 @@ def complex_field(field: Any) -> Any:
 def working_numbers(field: Field) -> Numbers:
     """The Numbers of a field. Calls with the same field share one object, so that nodes and weights are made once."""
     return Numbers(field)
+
+
+def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
+    """a + factor·b."""
+    return [x + factor * y for x, y in zip(a, b, strict=True)]
 
 
 def ellipse(u: complex) -> float:
@@ -168,13 +173,13 @@ def path_from(
 def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios: Vector, forms: Forms) -> Vector:
     """Σ weight · forms(s²)/Π√(1 − s²·ratio) over the nodes s."""
     rough = [complex(ratio) for ratio in ratios]
-    total: Vector | None = None
+    total: Vector = []
     for s, weight in zip(nodes, weights, strict=True):
         square = s * s
         factor = weight / _root_of_product(numbers, ratios, rough, square)
         terms = [factor * f for f in forms(square)]
-        total = terms if total is None else [t + f for t, f in zip(total, terms, strict=True)]
-    return total or []
+        total = [t + f for t, f in zip(total, terms, strict=True)] if total else terms
+    return total
 
 
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
@@ -188,7 +193,7 @@ def _rate(others: list[complex], start: complex, target: complex, scale: float) 
 
 
 def _root_of_product(numbers: Any, ratios: Vector, rough_ratios: Sequence[complex], square: Any) -> Any:
-    """Π√(1 − s²·ratio), each root principal."""
+    """Π√(1 − s²·ratio) with principal roots; ``square``: s²."""
     product, rough, s2 = 1, 1 + 0j, float(square.real)
     for ratio in ratios:
         product = product * (1 - square * ratio)

@@ -1,8 +1,9 @@
-"""The data of theta functions on the real torus of a curve y² = f(x) of degree 5, in long numbers. They are periods in
-a basis in which real motions are real, and the odd characteristics of the branch points.
+"""The data of theta functions on the real torus of a curve y² = f(x) of degree 5, in long numbers: the periods in a
+symplectic basis with real a-cycles, and the odd characteristics that belong to the branch points.
 
-Paths go straight from branch point to branch point. Sheets are chosen so that τ is symmetric with Im τ > 0. Exactly one
-of the 16 characteristics η₀ makes all η₀ + 2(q, p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq (Mumford 1984).
+Paths go straight from branch point to branch point. Sheets are chosen so that τ is symmetric with Im τ > 0. Let
+∫_{r₀}^{r_i} = Ap + Bq for the branch points r_i; the entries of 2p and 2q are integers. Exactly one of the 16
+characteristics η₀ makes all η₀ + 2(q, p) odd (Mumford 1984).
 """
 
 from __future__ import annotations
@@ -35,13 +36,11 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The cycles and the half-periods of the curve with these five roots, given in the order of a simple polygon. The
-    sheets are chosen so that τ is symmetric with Im τ positive.
-    """
+    """The cycles and half-periods of the curve with these five roots, in the order of a simple polygon's vertices."""
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
         cycles = cycles_of(sides, signs)
-        # a test in floats rules out most choices at less cost
+        # a test in floats rules out most choices of signs at less cost
         if not symmetric(ratio(rough(cycles)), NEARLY_IN_FLOATS):
             continue
         tau = ratio(cycles)
@@ -63,7 +62,7 @@ def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods
 
 
 def cycles_of(sides: Sequence[Vector], signs: Sequence[int]) -> list[Vector]:
-    """The cycles about the sides of the polygon; ``signs`` choose the sheets of the sides after the first."""
+    """The cycles a₁, a₂, b₁, b₂ from the lifts of the polygon's sides; ``signs``: of y on the sides after the first."""
     a, b, c, d = ((2 * s * x, 2 * s * y) for s, (x, y) in zip((1, *signs), sides, strict=True))
     return [a, (a[0] + c[0], a[1] + c[1]), b, d]
 
@@ -73,7 +72,6 @@ def symmetric(tau: Matrix, nearly: float) -> bool:
 
 
 def rough(vectors: Sequence[Vector]) -> list[tuple[Any, Any]]:
-    """The vectors in floats."""
     return [(complex(x), complex(y)) for x, y in vectors]
 
 
@@ -104,13 +102,13 @@ def coordinates(cycles: Sequence[Vector], tau: Matrix, vectors: Sequence[Vector]
 
 
 def combined(whole: Whole, cycles: Sequence[Vector]) -> Vector:
-    """The periods of the integral combination ``whole`` of the cycles."""
+    """The periods of the cycle Σ n_k·cycle_k, n = ``whole``."""
     x, y = (sum(n * c[k] for n, c in zip(whole, cycles, strict=True)) for k in (0, 1))
     return x, y
 
 
 def crossing(u: Whole, v: Whole) -> int:
-    """The intersection number of two cycles."""
+    """The intersection number of two cycles, given by their coordinates in a symplectic basis."""
     return u[0] * v[2] + u[1] * v[3] - u[2] * v[0] - u[3] * v[1]
 
 
@@ -124,7 +122,7 @@ def real_basis(found: Periods) -> Periods:
 
 @cache
 def real_cycles(rows: tuple[Whole, Whole, Whole, Whole]) -> tuple[Whole, Whole, Whole, Whole]:
-    """A symplectic basis a₁, a₂, b₁, b₂ with real a₁ and a₂; ``rows``: the conjugates of the given cycles."""
+    """A symplectic basis with real a₁, a₂, in coordinates; ``rows``: those of the conjugates of the cycles given."""
     few = range(-2, 3)
     small = sorted(((a, b, c, d) for a, b, c, d in product(few, few, few, few)), key=lambda v: sum(x * x for x in v))
     fixed = [v for v in small if any(v) and all(sum(v[i] * rows[i][j] for i in range(4)) == v[j] for j in range(4))]
@@ -163,7 +161,7 @@ def reduced(found: Periods) -> Periods:
 
 
 def characteristics(found: Periods) -> list[Whole]:
-    """The characteristics (ε₁, ε₂, δ₁, δ₂) of the odd theta functions that belong to the branch points."""
+    """The odd characteristics (ε₁, ε₂, δ₁, δ₂) = η₀ + 2(q, p) modulo 2 of the branch points."""
     cycles = rough(found.cycles)
     bits = [[round(2 * x) % 2 for x in row] for row in coordinates(cycles, ratio(cycles), rough(found.halves))]
     for e1, e2, d1, d2 in product((0, 1), repeat=4):

@@ -1,5 +1,5 @@
-"""Period matrices reduced by Sp(2g, ℤ) so that theta series converge fast (Siegel 1964; Deconinck and others 2004, with
-the LLL reduction of Im τ).
+"""Period matrices reduced by Sp(2g, ℤ), so that theta series converge fast (Siegel 1964; Deconinck and others 2004, who
+reduce Im τ by LLL).
 """
 
 from __future__ import annotations
@@ -60,6 +60,7 @@ def _moved(matrix: Any, tau: Any) -> Any:
 
 
 def _lll(tau: Any) -> Any:
+    """The matrix of τ ↦ TτTᵀ for the T that reduces Im τ by LLL."""
     from flint import fmpz_mat
 
     g = tau.nrows()
@@ -74,6 +75,7 @@ def _lll(tau: Any) -> Any:
 
 
 def _shift(tau: Any) -> Any:
+    """The matrix of τ ↦ τ + S with |Re τ_ij + S_ij| ≤ ½, S integral and symmetric."""
     from flint import fmpz_mat
 
     g = tau.nrows()
@@ -85,6 +87,7 @@ def _shift(tau: Any) -> Any:
 
 
 def _inversion(g: int) -> Any:
+    """The matrix that exchanges a_1 and b_1 up to sign: it maps τ_11 to −1/τ_11."""
     from flint import fmpz_mat
 
     rows = [[int(i == j) for j in range(2 * g)] for i in range(2 * g)]

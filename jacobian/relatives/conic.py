@@ -8,9 +8,10 @@ zeros
 
 form another member of the pencil, one for every c. The *step* through a plane point (x₀, y₀) takes c = (y₀ −
 V(x₀))/U(x₀), so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞. The step through (0, 0) is
-Tsiganov's addition in Pic Y. Over x₀ the function y − P has the value y − y₀. The step therefore adds the class of
-y − y₀ in the generalized Jacobian with modulus π*(x₀). It leaves the class in the Jacobian unchanged. Steps at one x₀
-compose by the group law of :class:`jacobian.relatives.fibre.FibreGroup`,
+what Tsiganov calls addition in Pic Y, Y being the curve y = P(x). At the points over x₀ the function y − P has the
+values of y − y₀. The step therefore adds the class of y − y₀ in the generalized Jacobian whose modulus is the fibre
+over x₀. It leaves the class in the Jacobian unchanged. Steps at one x₀ compose by the group law of
+:class:`jacobian.relatives.fibre.FibreGroup`,
 
     y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)).
 
@@ -29,7 +30,7 @@ from jacobian.curve.points import INFINITY_MINUS, AffinePoint, Given
 from jacobian.element import Value
 from jacobian.errors import ArgumentError, FieldError, NotRepresentable, shown, written
 from jacobian.fields.protocol import Field
-from jacobian.immutable import Immutable
+from jacobian.immutable import Immutable, replaced
 from jacobian.law.divisor import Divisor, check_divisor
 from jacobian.relatives.fibre import FibreGroup, Unit
 from jacobian.relatives.ray_class import RayClass, RayClassGroup
@@ -42,12 +43,6 @@ class Representative(Immutable):
     :meth:`jacobian.group.Jacobian.from_mumford`.
     """
 
-    __slots__ = ("curve", "u", "v")
-
-    curve: HyperellipticCurve
-    u: poly.Poly
-    v: poly.Poly
-
     def __init__(self, curve: HyperellipticCurve, u: Any, v: Any) -> None:
         K, J = curve.field, curve.jacobian()
         u = J._check_monic(poly.coerce(K, u, "u"))
@@ -55,29 +50,18 @@ class Representative(Immutable):
             raise ArgumentError(f"u = {poly.text(K, u)}: degree g + 1 = {curve.genus + 1} is needed")
         v = poly.mod(K, poly.coerce(K, v, "v"), u)
         J._check_on_curve(u, v)
-        self._set(curve, u, v)
+        self.curve, self.u, self.v = curve, u, v
 
-    def _set(self, curve: HyperellipticCurve, u: poly.Poly, v: poly.Poly) -> None:
-        object.__setattr__(self, "curve", curve)
-        object.__setattr__(self, "u", u)
-        object.__setattr__(self, "v", v)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Representative):
-            return NotImplemented
-        return self.u == other.u and self.v == other.v and self.curve == other.curve
-
-    def __hash__(self) -> int:
+    def _value(self) -> tuple[Any, ...]:
         K = self.curve.field
-        return hash((tuple(map(K.key, self.u)), tuple(map(K.key, self.v))))
+        return self.curve, tuple(map(K.key, self.u)), tuple(map(K.key, self.v))
 
     def __repr__(self) -> str:
         K = self.curve.field
         return f"({poly.text(K, self.u)}, {poly.text(K, self.v)})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        K = self.curve.field
-        return _rebuild, (self.curve, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)))
+        return _rebuild, self._value()
 
     # --- the pencil
 
@@ -98,9 +82,7 @@ class Representative(Immutable):
         sum_ = poly.add(K, p, C.h)
         u = poly.quotient(K, poly.sub(K, poly.mul(K, p, sum_), C.f), self.u)
         u = poly.monic(K, u[: C.genus + 2])
-        result = object.__new__(Representative)
-        result._set(C, u, poly.mod(K, poly.neg(K, sum_), u))
-        return result
+        return replaced(self, u=u, v=poly.mod(K, poly.neg(K, sum_), u))
 
     def members(self) -> Iterator[Representative]:
         """Yields the members of the pencil without points at infinity; FieldError over an infinite field."""
@@ -128,18 +110,14 @@ class Representative(Immutable):
                 f"(x0, y0) = ({written(x0)}, {written(y0)}) is a point of {self.curve!r}: the step through it has no "
                 "inverse"
             )
-        return self.member(self._parameter(fibre.x0, y0))
-
-    def _parameter(self, x0: Value | None, y0: Value) -> Any:
-        return parameter(self.curve.field, (self.u, self.v), x0, y0)
+        return self.member(parameter(K, (self.u, self.v), fibre.x0, y0))
 
     def translate(self, x0: Any, unit: Unit) -> Representative:
         """The pair after the step that adds a class (a : b) of ``FibreGroup(curve, x0)``.
 
         Two steps at one x₀ add the product of their classes.
         """
-        fibre = FibreGroup(self.curve, x0)
-        return self.step(x0, fibre._height(fibre._checked(unit, "unit")))
+        return self.step(x0, FibreGroup(self.curve, x0)._height(unit, "unit"))
 
     def containing(self, point: Given) -> Representative:
         """The member of the pencil that contains an affine point of the curve."""
@@ -151,7 +129,7 @@ class Representative(Immutable):
         K = self.curve.field
         if K.exact and poly.evaluate(K, self.u, point.x) == K.zero and poly.evaluate(K, self.v, point.x) == point.y:
             return self
-        return self.member(self._parameter(point.x, opposite.y))
+        return self.member(parameter(K, (self.u, self.v), point.x, opposite.y))
 
     # --- the classes
 
@@ -166,7 +144,7 @@ class Representative(Immutable):
 
 
 def parameter(K: Field, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> Any:
-    """The parameter c with P(x0) = y0, P = v + cu (:meth:`Representative.member`); c = y0 for ``x0`` = None, x₀ = ∞.
+    """The c for which P = v + cu has P(x0) = y0 (:meth:`Representative.member`); c = y0 for ``x0`` = None, x₀ = ∞.
 
     NotRepresentable where u vanishes at x0.
     """

@@ -1,14 +1,15 @@
 """Bounds of the doubling on a Kummer surface: how much the height of 2D can differ from four times that of D.
 
-The bound over the reals follows Stoll (1999, section 7). For each of the ten factorizations f = G·H into cubics (∞ is a
-root if deg f = 5) there is a linear form ℓ with ℓ(δ(x)) = y(x)² on the surface, y a quadratic form, δ the doubling. The
-ten y span the quadratic forms, so √|δ| bounds the ξ_i². Everything is computed in balls.
+The bound over the reals follows Stoll (1999, section 7). Let δ be the quartic forms of the doubling. For each of the
+ten factorizations f = G·H into cubics (∞ is a root if deg f = 5) there are a linear form ℓ and a quadratic form y with
+ℓ(δ(x)) = y(x)² on the surface. So |y(x)| is at most a constant times √|δ(x)|. The ten y span the quadratic forms, among
+them the x_i², which are thereby bounded too. Everything is computed in balls.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Iterator, Sequence
+from functools import lru_cache, reduce
 from itertools import combinations, combinations_with_replacement
 from typing import Any
 
@@ -20,16 +21,15 @@ from jacobian.relatives.kummer import KummerSurface
 
 FIRST_BITS, TRIALS = 200, 5
 
+# {exponents: coefficient}
 Form = dict[tuple[int, ...], Any]
 
+# the exponents of the quadratic monomials
 QUADRATIC = [tuple(chosen.count(i) for i in range(4)) for chosen in combinations_with_replacement(range(4), 2)]
 
 
 def bad_part(surface: KummerSurface) -> int:
-    """|2⁴ disc(f)|, f as a binary sextic. For primitive x it is a multiple of the common divisor of the four δ_i(x).
-
-    Source: Stoll (1999), theorem 6.1.
-    """
+    """|2⁴ disc(f)|, f as a sextic: a multiple of gcd(δ_i(x)) for primitive x (Stoll 1999, theorem 6.1)."""
     from flint import fmpz_poly
 
     discriminant = int(fmpz_poly(list(surface.f)).discriminant())
@@ -61,17 +61,23 @@ def _largest_square(surface: KummerSurface, numbers: BallNumbers) -> Any:
     """A constant A with max x_i² ≤ A·√(max |δ_j(x)|) at all real points x of the surface."""
     acb_mat = numbers.flint.acb_mat
     forms = list(tropes(surface, numbers))
+    # the rows express the monomials by the y
     matrix = acb_mat([[y.get(m, 0) for m in QUADRATIC] for _, y in forms]).inv()
     sizes = [sum(abs(c) for c in linear).sqrt() for linear, _ in forms]
-    found = numbers.flint.arb(0)
-    for i in range(4):
-        row = QUADRATIC.index(tuple(2 * (i == j) for j in range(4)))
-        found = found.max(sum(abs(matrix[row, k]) * size for k, size in enumerate(sizes)))
-    return found
+    squares = (row for row, m in enumerate(QUADRATIC) if max(m) == 2)
+    return largest([sum(abs(matrix[row, k]) * size for k, size in enumerate(sizes)) for row in squares])
+
+
+def largest(values: Sequence[Any]) -> Any:
+    """max |x_i| of real balls."""
+    return reduce(lambda a, b: a.max(b), map(abs, values))
 
 
 def tropes(surface: KummerSurface, numbers: BallNumbers) -> Iterator[tuple[Vector, Form]]:
-    """Yields ten pairs (ℓ, y) with ℓ(δ(x)) = y(x)² on the surface: the coefficients of ℓ, ℓ₄ = 1, and the form y."""
+    """Yields the ten pairs (ℓ, y) with ℓ(δ(x)) = y(x)² on the surface: the coefficients of ℓ, ℓ₄ = 1, and the form y.
+
+    The planes ℓ = 0, the *tropes* that do not pass through κ(0), touch the surface along conics.
+    """
     from flint import fmpq_poly
 
     roots: Vector = ball_roots(numbers, fmpq_poly(list(surface.f)), fmpq_poly([]))
@@ -96,7 +102,10 @@ def _cubic(numbers: BallNumbers, lead: int, roots: Vector) -> Vector:
 
 
 def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumbers) -> Form:
-    """The quadratic form y with y² = Σ ℓ_j δ_j + c·(Rξ₄² + Sξ₄ + T); Rξ₄² + Sξ₄ + T = 0 is the surface's equation."""
+    """The quadratic form y with y² = Σ ℓ_j δ_j + c·(Rξ₄² + Sξ₄ + T); Rξ₄² + Sξ₄ + T = 0 is the surface's equation.
+
+    The parts of both sides with ξ₄³, ξ₄² and ξ₄ determine y and the constant c.
+    """
     total: Form = {}
     for factor, form in zip(linear, surface.delta, strict=True):
         total = _plus(total, form, factor)
@@ -106,7 +115,7 @@ def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumber
     powers = ((3, 0, 0), (2, 1, 0), (2, 0, 1), (1, 1, 1), (1, 0, 2), (0, 1, 2), (0, 0, 3))
     S: Form = {m: -k * c for m, k, c in zip(powers, (4, 2, 4, 2, 4, 2, 4), f, strict=True)}
     rest = _plus(_part(total, 2), _product(first, first), -1)
-    # 2y = 2ξ₄² + 2ξ₄·first + rest + cR, and c·(first·R − S) = (part with ξ₄) − first·rest
+    # 2y = 2ξ₄² + 2ξ₄·first + rest + cR, and c·(first·R − S) = (the coefficient of ξ₄ in Σ ℓ_j δ_j) − first·rest
     left, right = _plus(_product(first, R), S, -1), _plus(_part(total, 1), _product(first, rest), -1)
     best = max(left, key=lambda m: float(abs(numbers.convert(left[m])).lower()))
     c = right[best] / left[best]
@@ -120,7 +129,7 @@ def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumber
 
 
 def _part(form: Form, power: int, factor: float = 1) -> Form:
-    """The coefficient of ξ₄^power, a form in ξ₁, ξ₂, ξ₃, times a factor."""
+    """``factor`` times the coefficient of ξ₄^power, a form in ξ₁, ξ₂, ξ₃."""
     return {m[:3]: c * factor for m, c in form.items() if m[3] == power}
 
 

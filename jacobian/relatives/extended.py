@@ -1,4 +1,4 @@
-"""Extensions of a Jacobian of any genus: Mumford pairs together with data that the divisor forgets.
+"""Extensions of a Jacobian of any genus: Mumford pairs together with data that the divisor does not determine.
 
 A pair (U, V) on y² = f(x) can have any of the following data. Each kind of datum gives an extension of the Jacobian:
 
@@ -6,14 +6,15 @@ A pair (U, V) on y² = f(x) can have any of the following data. Each kind of dat
   of √U(e); where U(e) = 0, ν gives the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift.
 * at any other point (x₀, y₀) the triple (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), the same as (κ/c², cσ, cσ̄). Its group is the
   generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954).
-* on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞.
-* on a model of even degree the third-kind datum Z = exp(rΣ∫x^g dx/y), where r² is the leading coefficient of f. The
-  modulus of its group is ∞₊ + ∞₋.
+* on a model of odd degree Ω = Σ∫x^g dx/y over the points of the divisor, a differential with a double pole at ∞.
+* on a model of even degree Z = exp(rΣ∫x^g dx/y), where r² is the leading coefficient of f. The differential has simple
+  poles at ∞₊ and ∞₋. The group is the generalized Jacobian with modulus ∞₊ + ∞₋.
 
-A composition adds or multiplies these data. A reduction step, f − V² = −c·U·U', V' = −V mod U', changes them according
-to the function y − V. These two operations suffice for every degree and genus, and no root is taken. Over inexact
-fields the degrees are assumed to be those of summands in general position, and the caller compares two precisions. The
-sign-resolved group of :mod:`jacobian.relatives.signed` is the case of genus 2 with lifts; it has steps at infinity too.
+A composition of pairs adds or multiplies these data. A reduction step, f − V² = −c·U·U', V' = −V mod U', changes them
+by formulas that follow from the divisor of y − V. These two operations suffice for every degree and genus, and no root
+is taken. Over inexact fields the degrees are assumed to be those of summands in general position, and the caller
+compares results of two precisions. The sign-resolved group of :mod:`jacobian.relatives.signed` is the case of genus 2
+with lifts; it also has sums in which a point goes to infinity.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, show
 from jacobian.immutable import Immutable
 from jacobian.linear import pivoted
 
-# a value of a polynomial counts as zero below this fraction of the sizes of its terms, where it has lost 20 bits
+# a value of a polynomial counts as zero below this fraction of the sum of the sizes of its terms
 NEAR_ZERO = 2.0**-20
 
 
@@ -54,7 +55,7 @@ class Composition(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """A step from the pair (u, v) to (other, k·other − v), where f − v² = −scale·u·other.
+    """A step from the pair (u, v) to (other, k·other − v), where f − v² = −scale·u·other and ``other`` is monic.
 
     ``degree`` and ``lead``: the degree and the leading coefficient of v; ``high``: whether the leading term of f − v²
     is that of −v², not that of f.
@@ -85,8 +86,9 @@ class Kind(Protocol):
 class ExtendedGroup(Immutable):
     """The pairs of y² = f(x) with data of the given ``kinds``, over an exact or an inexact field.
 
-    ``f``: ascending coefficients, degree 2g + 1 or 2g + 2, any leading coefficient. On a model of even degree a class
-    is a pair of degree g or g + 1, by the parity of its summands, with points at infinity shared evenly.
+    ``f``: ascending coefficients, degree 2g + 1 or 2g + 2, any leading coefficient. On a model of even degree the
+    degree of a reduced pair is g or g + 1, whichever has the parity of the sum of the summands' degrees; ∞₊ and ∞₋ are
+    subtracted equally often.
     """
 
     def __init__(self, field: Any, f: Any, kinds: Sequence[Kind] = ()) -> None:
@@ -147,8 +149,8 @@ class ExtendedGroup(Immutable):
         u, v, _ = cantor.compose(self.curve, first, second)
         everything = len(u) == len(D.u) + len(E.u) - 1
         common = (self.field.one,) if everything else cantor.cancelled(self.curve, first, second)
-        quotients = tuple(poly.quotient(self.field, poly.sub(self.field, v, part.v), part.u) for part in (D, E))
-        return Composition(u, v, common, (quotients[0], quotients[1]))
+        k, other = (poly.quotient(self.field, poly.sub(self.field, v, part.v), part.u) for part in (D, E))
+        return Composition(u, v, common, (k, other))
 
     def _general_composition(self, D: Extended, E: Extended) -> Composition:
         """The composition of pairs in general position: v = v₁ + u₁k with k·u₁ ≡ v₂ − v₁ mod u₂.
@@ -189,16 +191,16 @@ class ExtendedGroup(Immutable):
         return (*a, *[self.field.zero] * (size - len(a)))
 
     def retracted(self, D: Extended) -> Extended:
-        """A pair of degree g moved onto the curve over a :class:`LongField`, by one Newton step of least length.
+        """A pair of degree g, moved by one Newton step towards U | f − V², over a :class:`LongField`.
 
-        The step is the least (δU, δV) with WδU + 2VδV ≡ f − V² mod U. The distance from the curve grows with every
-        addition, on models of even degree by tens of bits. On the curve an error only doubles when the divisor is
-        doubled.
+        The step is the shortest (δU, δV) with WδU + 2VδV ≡ f − V² mod U. Without it f − V² mod U grows with every
+        addition, on models of even degree by tens of bits. An error of a divisor on the curve only doubles when the
+        divisor is doubled.
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
-        # x is of size 2^size at the points of the pair, and f of size 4^height. A column is scaled by the size of the
-        # coefficient of V or U that it moves, a row by the size of f
+        # x is of size 2^size at the points of the pair, and f of size 4^height. A column is scaled by the size of its
+        # unknown, a coefficient of V or U, and a row by the size of f
         exponents = list(map(K.exponent, D.u[:-1]))
         size = max((-(-e // (g - i)) for i, e in enumerate(exponents) if e is not None), default=1)
         height = max(e + size * i for i, e in enumerate(map(K.exponent, self.f)) if e is not None) // 2
@@ -214,7 +216,7 @@ class ExtendedGroup(Immutable):
                 columns.append([K.doubled(c, unit + scale) for c, scale in zip(column, scales, strict=True)])
         by_row = list(zip(*columns, strict=True))
         rows = [[K.dot(a, b) for b in by_row] for a in by_row]
-        # the system is damped: U, V and W nearly share a root if a point of the pair is near a double point
+        # the normal equations are damped, because they are nearly singular if U, V and W nearly share a root
         damping = max(abs(rows[i][i]) for i in range(g)) * K.root_of_eps
         for i, (value, scale) in enumerate(zip(self._padded(rest, g), scales, strict=True)):
             rows[i][i] += damping
@@ -225,9 +227,9 @@ class ExtendedGroup(Immutable):
         return self.with_true_lifts(D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v))
 
     def with_true_lifts(self, D: Extended) -> Extended:
-        """The pair with its lifts moved onto κσ² = U(e), κσν = V(e), over a :class:`LongField`.
+        """The pair with σ and ν of its lifts computed again from κσ² = U(e), κσν = V(e), over a :class:`LongField`.
 
-        Each sum multiplies the distance of a lift from these values, by up to 2^20 where branch points differ in size.
+        Each addition multiplies the errors in these equations, by up to 2^20 if branch points differ in size.
         """
         data = (x.nearest(self, D, a) if isinstance(x, Lift) else a for x, a in zip(self.kinds, D.data, strict=True))
         return D._replace(data=tuple(data))
@@ -243,7 +245,7 @@ class ExtendedGroup(Immutable):
         return poly.quotient(K, poly.sub(K, self.f, poly.mul(K, v, v)), u)
 
     def reduce(self, D: Extended) -> Extended:
-        """The pair after one reduction step: the opposites of the other zeros of y − v, in the same class."""
+        """The pair after one reduction step, in the same class: the opposites of the zeros of y − v outside D."""
         K = self.field
         cofactor = self.cofactor(D.u, D.v)
         if not K.exact:
@@ -265,9 +267,7 @@ class Lift(NamedTuple):
     e: Any
 
     def of(self, group: ExtendedGroup, u: poly.Poly, v: poly.Poly, sigma: Any = None) -> Any:
-        """The datum of the pair (u, v) with κ = u(e) and σ = 1, or with the given σ and κ = u(e)/σ²; u(e) must not be
-        0.
-        """
+        """The datum of the pair (u, v) with σ = 1 or the given σ, and κ = u(e)/σ²; u(e) must not be 0."""
         K = group.field
         value = poly.evaluate(K, u, self.e)
         sigma = K.one if sigma is None else sigma
@@ -275,19 +275,19 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(poly.evaluate(K, v, self.e), K.mul(kappa, sigma))
 
     def nearest(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
-        """The datum moved by a Newton step onto κσ² = U(e), and κσν = V(e); near a zero of U onto κν² = −W(e). It stays
-        unchanged near a common zero of U and W.
+        """The datum with σ after a Newton step for κσ² = U(e), and ν = V(e)/(κσ). If U(e) is nearly 0, ν takes a step
+        for κν² = −W(e), and σ = V(e)/(κν). If W(e) is nearly 0 too, the datum is returned unchanged.
         """
         K, e, (kappa, sigma, nu) = group.field, self.e, datum
-        value, slope = (poly.evaluate(K, a, e) for a in (D.u, D.v))
+        value, ordinate = (poly.evaluate(K, a, e) for a in (D.u, D.v))
         if abs(value) > NEAR_ZERO * poly.size_at(D.u, e):
             sigma = (sigma + value / (kappa * sigma)) / 2
-            return kappa, sigma, slope / (kappa * sigma)
+            return kappa, sigma, ordinate / (kappa * sigma)
         w = group.cofactor(D.u, D.v)
         value = poly.evaluate(K, w, e)
         if abs(value) > NEAR_ZERO * poly.size_at(w, e):
             nu = (nu - value / (kappa * nu)) / 2
-            sigma = slope / (kappa * nu)
+            sigma = ordinate / (kappa * nu)
         return kappa, sigma, nu
 
     def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
@@ -325,8 +325,8 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """(κ/c, ν, −cσ + k(e)ν), where −cx^m is the leading term of (f − V²)/U; with −σ and −ν for σ and ν if deg f is
-        odd, deg U even and deg V ≤ g.
+        """(κ/c, ν, −cσ + k(e)ν), where −c is the leading coefficient of (f − V²)/U; with −σ and −ν for σ and ν if deg f
+        is odd, deg U even and deg V ≤ g.
         """
         K, (kappa, sigma, nu) = group.field, datum
         k = poly.evaluate(K, step.k, self.e)
@@ -339,10 +339,7 @@ class Lift(NamedTuple):
 
 
 class PointLift(NamedTuple):
-    """The kind of datum (κ, σ, σ̄) at a point (x, y) of the curve.
-
-    The point must not be a branch point, nor a point of an added divisor.
-    """
+    """The kind of datum (κ, σ, σ̄) at a point (x, y), which must be neither a branch point nor a point of a summand."""
 
     x: Any
     y: Any
@@ -396,15 +393,13 @@ class SecondKind(NamedTuple):
         return group.field.add(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2v_g/lead(f) for a lower degree, Ω for a higher one."""
+        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
         K, g = group.field, group.genus
-        if step.degree > g + 1:
-            return datum
         if step.degree == g + 1:
             return K.sub(datum, K.div(poly.integer(K, 2), step.lead))
-        if step.degree < g:
-            return datum
-        return K.sub(datum, K.div(K.add(step.lead, step.lead), group.f[-1]))
+        if step.degree == g:
+            return K.sub(datum, K.div(K.add(step.lead, step.lead), group.f[-1]))
+        return datum
 
 
 class ThirdKind(NamedTuple):

@@ -1,9 +1,10 @@
 """The multiplicative group over one point x₀ of the line: (K[y]/(y² + h(x₀)y − f(x₀)))* / K*.
 
-It is the kernel of the generalized Jacobian with modulus π*(x₀) over the Jacobian (Rosenlicht 1954), and the group of
-the conic steps through the plane points (x₀, y₀) (:mod:`jacobian.relatives.conic`). A class (a : b) stands for the
-function a + b·y on the two points over x₀, a unit there, up to a constant. The group is G_m where the field has two
-points over x₀, G_a at a branch point, and the circle of norm one at a pair of conjugate points.
+It is the kernel of the map from the generalized Jacobian whose modulus is the fibre over x₀ to the Jacobian (Rosenlicht
+1954), and the group of the conic steps through the plane points (x₀, y₀) (:mod:`jacobian.relatives.conic`). The class
+(a : b) is that of the function a + b·y, which has no zero over x₀. The group is the multiplicative group G_m if two
+rational points lie over x₀, the additive group G_a at a branch point, and the elements of norm one in a quadratic
+extension (a "circle") at a pair of conjugate points.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ Function = tuple[poly.Poly, poly.Poly]
 
 
 class FibreGroup(Immutable):
-    """The group of classes (a : b) for which a + b·y is a unit at the points of ``curve`` over x₀; None is x₀ = ∞.
+    """The group of classes (a : b) for which a + b·y has no zero over x₀; ``x0`` = None is x₀ = ∞.
 
     At infinity y stands for y/x^(g+1). ``kind``: "split" (G_m), "ramified" (G_a) or "inert" (a circle); ``values``: the
     values of y over x₀ that lie in the field; ``identity``: (1 : 0). Classes are pairs, written with b = 1 or as
@@ -53,7 +54,7 @@ class FibreGroup(Immutable):
         return f"Fibre group over x = {'∞' if self.x0 is None else self.x0} of {self.curve!r}"
 
     def norm(self, c: Unit) -> Any:
-        """The norm a² − h₀ab − f₀b² of a + b·y, which is zero exactly where a + b·y is not a unit."""
+        """The norm a² − h₀ab − f₀b² of a + b·y, h₀ = h(x₀), f₀ = f(x₀): 0 exactly if a + b·y vanishes over x₀."""
         K, (a, b) = self.field, c
         return K.sub(K.mul(a, K.sub(a, K.mul(self.h0, b))), K.mul(self.f0, K.mul(b, b)))
 
@@ -75,7 +76,6 @@ class FibreGroup(Immutable):
         return self.normal(c)
 
     def _checked(self, c: Any, argument: str = "c") -> Unit:
-        """The class of a pair (a, b) given by a caller, or ArgumentError."""
         wanted = "a class (a, b), a pair of elements of the field,"
         pair = entries(c, argument, wanted)
         if len(pair) != 2:
@@ -98,7 +98,7 @@ class FibreGroup(Immutable):
         return first, K.sub(K.add(K.mul(a, b2), K.mul(b, a2)), K.mul(last, self.h0))
 
     def inverse(self, c: Unit) -> Unit:
-        """The inverse class: the class of the conjugate function a − h₀b − b·y."""
+        """The inverse class, that of the conjugate function a − h₀b − b·y, h₀ = h(x₀)."""
         return self._conjugate(self._checked(c))
 
     def _conjugate(self, c: Unit) -> Unit:
@@ -118,25 +118,24 @@ class FibreGroup(Immutable):
 
     def through(self, y0: Any) -> Unit:
         """The class (−y₀ : 1) of y − y₀, which the conic step through (x₀, y₀) adds; ``y0`` = None is the identity."""
-        return (
-            self.identity if y0 is None else self.element(self.field.neg(self.field.coerce(y0, "y0")), self.field.one)
-        )
+        K = self.field
+        return self.identity if y0 is None else self.element(K.neg(K.coerce(y0, "y0")), K.one)
 
     def height(self, c: Unit) -> Any:
         """The number y₀ for which :meth:`through` gives the class c; None for the identity."""
-        return self._height(self._checked(c))
+        return self._height(c, "c")
 
-    def _height(self, c: Unit) -> Any:
-        return None if c[1] == self.field.zero else self.field.neg(c[0])
+    def _height(self, c: Unit, argument: str) -> Any:
+        a, b = self._checked(c, argument)
+        return None if b == self.field.zero else self.field.neg(a)
 
     def coordinate(self, c: Unit) -> Any:
         """The class as an element of G_m, (a + b·y₁)/(a + b·y₂) for ``values`` (y₁, y₂), or of G_a, b/(a + b·y₁).
 
         FieldError on an inert fibre, whose group is neither G_m nor G_a over this field.
         """
+        self._check_not_inert()
         K, (a, b) = self.field, c
-        if self.kind == "inert":
-            raise FieldError(f"{self!r} is inert: its group is a circle, not G_m or G_a over {K.name}")
         first, *rest = [K.add(a, K.mul(b, y)) for y in self.values]
         return K.div(first, rest[0]) if rest else K.div(b, first)
 
@@ -144,8 +143,7 @@ class FibreGroup(Immutable):
         """The class whose :meth:`coordinate` is t: t ≠ 0 for G_m, any t for G_a."""
         K = self.field
         t = K.coerce(t, "t")
-        if self.kind == "inert":
-            raise FieldError(f"{self!r} is inert: its group is a circle, not G_m or G_a over {K.name}")
+        self._check_not_inert()
         if self.kind == "ramified":
             return self.element(K.sub(K.one, K.mul(t, self.values[0])), t)
         if t == K.zero:
@@ -154,6 +152,10 @@ class FibreGroup(Immutable):
         y1, y2 = self.values
         b = K.div(K.sub(t, K.one), K.sub(y1, y2))
         return self.element(K.sub(K.one, K.mul(b, y2)), b)
+
+    def _check_not_inert(self) -> None:
+        if self.kind == "inert":
+            raise FieldError(f"{self!r} is inert: its group is a circle, not G_m or G_a over {self.field.name}")
 
     def order(self) -> int:
         """The order of the group over GF(q): q − 1 (split), q (ramified) or q + 1 (inert). FieldError elsewhere."""
@@ -172,9 +174,8 @@ class FibreGroup(Immutable):
     # --- functions on the curve, up to functions of x
 
     def value(self, function: Function) -> Unit:
-        """The value (a : b) of the function a(x) + b(x)·y at the points over x₀. It need not be a unit.
-
-        A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, a power of 1/x.
+        """The pair (a, b) for which a + b·y has the values of the function a(x) + b(x)·y over x₀. It may have zeros
+        there. A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, a power of 1/x.
         """
         K, (a, b) = self.field, function
         if self.x0 is None:
@@ -189,10 +190,7 @@ class FibreGroup(Immutable):
             a, b = poly.quotient(K, a, linear), poly.quotient(K, b, linear)
 
     def class_of(self, functions: list[Function]) -> Unit:
-        """The class of the product of ``functions``, which must be a unit over x₀ up to a power of x − x₀.
-
-        The factors need not be units.
-        """
+        """The class of the product of ``functions``, which over x₀ has the zeros and poles of a power of x − x₀."""
         total, rest = self.identity, None
         for function in functions:
             c = self.value(function)

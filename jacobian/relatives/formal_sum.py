@@ -2,11 +2,13 @@
 
 A divisor Σ m_P P over the field is stored as
 
-    div(u, v) + π*(r) + Σ m_∞ ∞,    r = numerator/denominator a rational function of x, u and v as in Mumford's pairs.
+    div(u, v) + π*(r) + m₊∞₊ + m₋∞₋,
 
-No polynomial is factored. The whole fibres π*(x − e) = P + ιP of the affine part, ι being the involution, go into r;
-the rest is one semi-reduced pair. The form is unique: it splits the ideal into a primitive one and its content. Sums
-compose pairs by Cantor's formulas and put the common part into r. Nothing is reduced; classes are computed on request.
+where (u, v) is a semi-reduced pair of any degree, r = numerator/denominator a rational function of x, and π*(r) the
+affine part of its divisor on the curve: π*(x − e) = P + ιP for a point P over e, ι being the involution. The pair
+contains no P together with ιP, which makes the form unique. No polynomial is factored: a sum composes the pairs by
+Cantor's formulas and multiplies r by the polynomial of the points that cancel. Nothing is reduced; classes are computed
+on request.
 """
 
 from __future__ import annotations
@@ -19,17 +21,9 @@ from jacobian.addition import cantor
 from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.curve.points import AffinePoint, Given, Point, PointAtInfinity
-from jacobian.errors import (
-    ArgumentError,
-    CurveMismatch,
-    FieldError,
-    Infeasible,
-    NotRepresentable,
-    shown,
-    whole,
-)
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible, NotRepresentable, shown, whole
 from jacobian.fields.factor import roots, without_root
-from jacobian.immutable import Immutable
+from jacobian.immutable import Immutable, replaced
 from jacobian.law.divisor import Divisor, check_divisor, check_scalar, is_zero_int
 from jacobian.law.from_points import counted
 
@@ -46,23 +40,27 @@ class FormalSum(Immutable):
     """
 
     def __init__(
-        self, curve: HyperellipticCurve, pair: tuple[poly.Poly, poly.Poly], fibres: Any, weights: tuple[int, ...]
+        self,
+        curve: HyperellipticCurve,
+        pair: tuple[poly.Poly, poly.Poly] | None = None,
+        fibres: tuple[poly.Poly, poly.Poly] | None = None,
+        weights: tuple[int, ...] | None = None,
     ) -> None:
         K = curve.field
+        one = (K.one,)
         self.curve = curve
-        self.u, self.v = pair
-        above, below = fibres
+        self.u, self.v = pair or (one, ())
+        above, below = fibres or (one, one)
         common = poly.gcd(K, above, below)
         self.numerator, self.denominator = (poly.quotient(K, a, common) for a in (above, below))
-        self.weights = weights
+        self.weights = weights or (0,) * len(curve.points_at_infinity() or (None,))
 
     @staticmethod
     def zero(curve: HyperellipticCurve) -> FormalSum:
         """The empty sum; FieldError over an inexact field."""
         if not check_curve(curve).field.exact:
             raise FieldError(f"field = {curve.field.name}: multiplicities are not decided over an inexact field")
-        one = (curve.field.one,)
-        return FormalSum(curve, (one, ()), (one, one), (0,) * len(curve.points_at_infinity() or (None,)))
+        return FormalSum(curve)
 
     @staticmethod
     def from_points(
@@ -90,7 +88,7 @@ class FormalSum(Immutable):
             weights = (D.n - (C.genus + 1) // 2, (C.genus + 1) // 2 - size - D.n)
         else:
             weights = (-size,) if C.model == "ramified" else (-(size // 2),) * len(zero.weights)
-        return FormalSum(C, (D.u, D.v), (zero.numerator, zero.denominator), weights)
+        return FormalSum(C, (D.u, D.v), weights=weights)
 
     # --- its points
 
@@ -103,10 +101,8 @@ class FormalSum(Immutable):
     @property
     def effective(self) -> bool:
         """Whether no multiplicity is negative."""
-        if min(self.weights) < 0:
-            return False
-        # a denominator subtracts whole fibres, but the pair contains at most one of the two points of a fibre
-        return len(self.denominator) == 1
+        # a root of the denominator subtracts P and ιP, of which the pair contains at most one
+        return min(self.weights) >= 0 and len(self.denominator) == 1
 
     def multiplicity(self, point: Given) -> int:
         """The multiplicity m_P of a point P of the curve over its field."""
@@ -127,7 +123,8 @@ class FormalSum(Immutable):
         points: list[Point] = [P for x in roots(K, whole_part) for P in C.lift_x(x, all=True)]
         points += C.points_at_infinity()
         found = [(P, m) for P in points if (m := self.multiplicity(P))]
-        if sum(m for _, m in found) != self.degree or FormalSum.from_points(C, *_columns(found)) != self:
+        numbers = [m for _, m in found]
+        if sum(numbers) != self.degree or FormalSum.from_points(C, [P for P, _ in found], numbers) != self:
             raise NotRepresentable(f"{self!r}: not all of its points are over {K.name}")
         return found
 
@@ -187,8 +184,7 @@ class FormalSum(Immutable):
             raise Infeasible(
                 f"scalar = {shown(m)}: sums of more than {MOST_POINTS} points are not reduced by themselves"
             )
-        zero = FormalSum.zero(self.curve)
-        return multiple(m, self, FormalSum.__add__, lambda A: A + A, FormalSum.__neg__, zero)
+        return multiple(m, self, FormalSum.__add__, lambda A: A + A, FormalSum.__neg__, FormalSum(self.curve))
 
     __rmul__ = __mul__
     __array_ufunc__ = None
@@ -216,10 +212,10 @@ class FormalSum(Immutable):
 class Intersection(NamedTuple):
     """A curve Y: y = P(x) through two divisors D and E of the given curve X, and its intersection with X.
 
-    ``P`` passes through each point as often as both divisors together contain it, except opposite points, whose
-    abscissas are the roots of ``fibres``. ``abel`` is Abel's polynomial P² + hP − f, whose roots are the abscissas of
-    X·Y; ``points`` is the affine part of X·Y. ``rest`` is the divisor of fibres·(y − P) minus D and E, so that D + E =
-    −rest as classes.
+    Opposite points of D + E cancel; their abscissas are the roots of ``fibres``. Y contains the other points of D + E,
+    with their multiplicities. ``abel`` is Abel's polynomial P² + hP − f, whose roots are the abscissas of X·Y;
+    ``points`` is the affine part of X·Y. ``rest`` is the divisor of fibres·(y − P) minus D and E, so that D + E = −rest
+    as classes.
     """
 
     P: poly.Poly
@@ -232,10 +228,11 @@ class Intersection(NamedTuple):
 def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalSum:
     """div(a(x) + b(x)·y) on an exact curve, of degree 0, for polynomials (ascending) that are not both 0.
 
-    Let c = gcd(a, b), a = ca₀, b = cb₀ and N = a₀² − ha₀b₀ − fb₀². The divisor is π*(c) + div(N, −a₀/b₀ mod N) and
-    points at infinity, because a₀ + b₀y does not vanish at both points of a fibre.
+    Let c = gcd(a, b), a = ca₀, b = cb₀ and N = a₀² − ha₀b₀ − fb₀². The affine part of the divisor is
+    π*(c) + div(N, −a₀/b₀ mod N), because a₀ + b₀y does not vanish at two opposite points.
     """
-    zero, K = FormalSum.zero(curve), curve.field
+    # zero() refuses inexact fields
+    K = FormalSum.zero(curve).curve.field
     first, second = poly.coerce(K, a, "a"), poly.coerce(K, b, "b")
     if not first and not second:
         raise ArgumentError("a = b = 0: the function 0 has no divisor")
@@ -245,8 +242,8 @@ def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalS
     u = poly.monic(K, norm)
     _, inverse = poly.half_xgcd(K, u, b) if b else ((), ())
     v = poly.neg(K, poly.mod(K, poly.mul(K, a, inverse), u))
-    affine = FormalSum(curve, (u, v), (poly.monic(K, content), (K.one,)), zero.weights)
-    return FormalSum(curve, (u, v), (affine.numerator, affine.denominator), _at_infinity(affine, (a, b), content))
+    affine = FormalSum(curve, (u, v), (poly.monic(K, content), (K.one,)))
+    return replaced(affine, weights=_at_infinity(affine, (a, b), content))
 
 
 def intersection(D: Divisor, E: Divisor) -> Intersection:
@@ -260,26 +257,22 @@ def intersection(D: Divisor, E: Divisor) -> Intersection:
     first, second = (FormalSum.from_divisor(check_divisor(X, name)) for X, name in ((D, "D"), (E, "E")))
     C, K = D._compatible(E).jacobian.curve, first.curve.field
     both = first + second
-    P, one = both.v, (K.one,)
+    P, fibres = both.v, both.numerator
     abel = poly.sub(K, poly.mul(K, P, poly.add(K, P, C.h)), C.f)
-    whole_divisor = principal_divisor(C, poly.neg(K, P), one)
-    points = FormalSum(C, (whole_divisor.u, whole_divisor.v), (one, one), (0,) * len(whole_divisor.weights))
-    fibres = both.numerator
+    of_line = principal_divisor(C, poly.neg(K, P), (K.one,))
+    points = FormalSum(C, (of_line.u, of_line.v))
     rest = principal_divisor(C, poly.neg(K, poly.mul(K, fibres, P)), fibres) - both
     return Intersection(P, fibres, abel, points, rest)
 
 
 def _at_infinity(affine: FormalSum, function: tuple[poly.Poly, poly.Poly], content: poly.Poly) -> tuple[int, ...]:
-    """The orders of the function content·(a + by) at the points at infinity.
-
-    They follow from its leading terms, and from the degree 0 of its divisor, whose affine part is given.
-    """
+    """The orders at infinity of the function content·(a + by), whose divisor has the part ``affine`` and degree 0."""
     C, K, (a, b) = affine.curve, affine.curve.field, function
     total = affine.degree
     if C.model != "split":
         return (-total if C.model == "ramified" else -total // 2,)
-    # y is z·x^(g+1) + … at infinity, with different z at ∞₊ and ∞₋, so the leading terms of a and by cancel at one of
-    # the two points at most
+    # y = z·x^(g+1) + … with different z at ∞₊ and ∞₋. So the leading terms of a and by cancel at one of the two points
+    # at most, and the order at the other is minus the degree in x
     g, rise = C.genus, len(content) - 1
     top = max(len(a) - 1, len(b) + g if b else 0)
     lead = K.add(coefficient(K, a, top), K.mul(coefficient(K, b, top - g - 1), C.infinity_plus))
@@ -287,13 +280,6 @@ def _at_infinity(affine: FormalSum, function: tuple[poly.Poly, poly.Poly], conte
 
 
 def _of_point(C: HyperellipticCurve, P: Point) -> FormalSum:
-    K, zero = C.field, FormalSum.zero(C)
     if isinstance(P, AffinePoint):
-        pair = (K.neg(P.x), K.one), poly.trim(K, (P.y,))
-        return FormalSum(C, pair, (zero.numerator, zero.denominator), zero.weights)
-    weights = tuple(int(P == Q) for Q in C.points_at_infinity())
-    return FormalSum(C, (zero.u, zero.v), (zero.numerator, zero.denominator), weights)
-
-
-def _columns(rows: list[tuple[Point, int]]) -> tuple[list[Point], list[int]]:
-    return [P for P, _ in rows], [m for _, m in rows]
+        return FormalSum(C, ((C.field.neg(P.x), C.field.one), poly.trim(C.field, (P.y,))))
+    return FormalSum(C, weights=tuple(int(P == Q) for Q in C.points_at_infinity()))

@@ -1,8 +1,8 @@
 """Generators, modulo torsion, of the group that some classes over QQ generate in genus 2, by canonical heights.
 
-Each class D is either independent of the classes before it, or nD is exactly an integral combination of them up to
-torsion (:func:`jacobian.relatives.heights.dependence`). If n > 1, the class enlarges the lattice, and Euclid's
-algorithm on coordinates finds a basis of it.
+Each class D is either independent of the classes before it, or nD is an integral combination of them up to torsion, for
+some n > 0 (:func:`jacobian.relatives.heights.dependence`). If n > 1, D enlarges the lattice that those classes span
+modulo torsion, and Euclid's algorithm on coordinates finds a basis of the larger lattice.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from collections.abc import Iterable
 from math import inf
 from typing import Any, NamedTuple
 
-from jacobian.curve.points import AffinePoint
 from jacobian.law.divisor import Divisor
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.matrix import nearest
 from jacobian.relatives.heights import canonical_height, dependence, pairings
+from jacobian.relatives.rational_torsion import differences
 
 
 class Generators(NamedTuple):
@@ -47,8 +47,7 @@ def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
 
 def from_points(J: Any, height: int, digits: int = 20) -> Generators:
     """Generators, modulo torsion, of the group spanned by differences of rational points with x up to this height."""
-    points = sorted(J.curve.points(height), key=lambda P: isinstance(P, AffinePoint))
-    return generators((J(P, points[0]) for P in points[1:]), digits)
+    return generators(differences(J, height), digits)
 
 
 def _with(basis: list[Divisor], D: Divisor, digits: int) -> list[Divisor]:
@@ -57,14 +56,14 @@ def _with(basis: list[Divisor], D: Divisor, digits: int) -> list[Divisor]:
     if found is None:
         return [*basis, D]
     m, n = found
+    # n times the coordinates of each class in the basis
     rows = [([n * int(i == j) for j in range(len(basis))], G) for i, G in enumerate(basis)]
     return basis if n == 1 else _euclid([*rows, (m, D)])
 
 
 def _euclid(rows: list[tuple[list[int], Divisor]]) -> list[Divisor]:
-    """The classes of a basis of the lattice that integral rows span.
-
-    Each row is given with its class, and every row operation acts on the classes too; the basis is in echelon form.
+    """A basis of the lattice spanned by classes, each given with a row of integral coordinates: the rows are brought
+    into echelon form, and every row operation is applied to the classes too.
     """
     found = []
     for column in range(len(rows[0][0])):

@@ -26,10 +26,10 @@ from jacobian.law.from_points import pair_of_points, repeated
 
 
 class GeneralizedJacobian(Jacobian):
-    """The classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4, as pairs of degree two.
+    """The classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4, as Mumford pairs (u, v) with deg u = 2.
 
-    It has the operators of :class:`~jacobian.group.Jacobian`. The classes with fewer affine points form a
-    multiplicative group, of which only the identity is represented: a sum equal to another element of it raises
+    It has the operators of :class:`~jacobian.group.Jacobian`. The kernel of the map to the Jacobian, a multiplicative
+    group, has no such pairs; only its identity is represented. A sum equal to another element of the kernel raises
     NotRepresentable.
     """
 
@@ -50,7 +50,7 @@ class GeneralizedJacobian(Jacobian):
         return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
 
     def _check_representable(self) -> None:
-        """No check is needed: every curve that the constructor accepts is representable."""
+        """Accepts every curve that the constructor accepts."""
 
     def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> Divisor:
         """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""

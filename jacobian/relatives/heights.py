@@ -3,10 +3,10 @@
 The canonical height is ĥ(D) = lim 4⁻ⁿ h(2ⁿD), where h is the logarithmic height on the Kummer surface. It belongs to
 the divisor 2Θ, and its pairing ⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 is that of Birch and Swinnerton-Dyer's conjecture.
 
-With the doubling forms δ it is ĥ(D) = h(D) + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), where x is the primitive
-vector of 2ⁿD on the surface and g the common divisor of the δ_i(x) (Flynn & Smart 1997). Each x is kept as real balls
-and modulo a power of 16·disc(f). Since g divides 16·disc(f), no factorization is needed (after Müller & Stoll 2016).
-:mod:`jacobian.relatives.doubling_bounds` bounds the terms that are left out.
+With the doubling forms δ it is ĥ(D) = h(D) + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), n = 0, 1, …, where x is the
+primitive vector of κ(2ⁿD), |x| = max |x_i|, and g is the greatest common divisor of the δ_i(x) (Flynn & Smart 1997). x
+is computed in real balls for |x|, and modulo a power of 16·disc(f) for g. Since g divides 16·disc(f), no factorization
+is needed (after Müller & Stoll 2016). :mod:`jacobian.relatives.doubling_bounds` bounds the terms that are left out.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from jacobian.fields import QQ
 from jacobian.law.divisor import Divisor
 from jacobian.numbers.long_reals import BallReals
 from jacobian.progress import Progress
-from jacobian.relatives.doubling_bounds import bad_part, real_bounds
+from jacobian.relatives.doubling_bounds import bad_part, largest, real_bounds
 from jacobian.relatives.kummer import KummerSurface, kummer_surface
 
 MOST_DIGITS = 1000
@@ -65,19 +65,19 @@ def _height(D: Divisor, digits: int) -> Any:
 
 
 def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals: BallReals) -> Any:
-    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), the sum of the first ``terms`` terms.
+    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g), n < ``terms``; ``bound``: 16·disc(f).
 
-    The bits and the power of the bound decrease from term to term, because later terms need less precision.
+    The bits of the balls and the power of ``bound`` decrease with n, because later terms need less precision.
     """
     import gmpy2
     from flint import arb
 
     real, residues, modulus = [arb(c) for c in x], [gmpy2.mpz(c) for c in x], gmpy2.mpz(bound) ** (terms + 2)
-    total, weight, progress = _largest(real).log(), arb(1), Progress("a canonical height", terms**3)
+    total, weight, progress = largest(real).log(), arb(1), Progress("a canonical height", terms**3)
     for n in range(terms):
         weight /= 4
         with reals.at(reals.bits - (BITS_A_DOUBLING + 2) * n):
-            size = _largest(real)
+            size = largest(real)
             real = [c / size.mid() for c in real]
             doubled, residues = surface.double(real), [c % modulus for c in surface.double(residues)]
             common = gmpy2.gcd(*residues, modulus)
@@ -87,18 +87,11 @@ def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals
                 )
             modulus //= bound
             residues = [c // common % modulus for c in residues]
-            term = _largest(doubled).log() - 4 * _largest(real).log() - arb(int(common)).log()
+            term = largest(doubled).log() - 4 * largest(real).log() - arb(int(common)).log()
         total += weight * term
         real = doubled
         progress.add((terms - n) ** 3 - (terms - n - 1) ** 3)
     return total
-
-
-def _largest(values: Sequence[Any]) -> Any:
-    found = abs(values[0])
-    for x in values[1:]:
-        found = found.max(abs(x))
-    return found
 
 
 def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Real:
@@ -108,14 +101,7 @@ def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Real:
     """
     if _checked(D, "D") == _checked(E, "E"):
         return canonical_height(D, digits)
-    both, first, second = (canonical_height(G, digits) for G in (D + E, D, E))
-    return _polarized(both, first, second, digits)
-
-
-def _polarized(both: Any, first: Any, second: Any, digits: int) -> Any:
-    """⟨D, E⟩ from the heights of D + E, D and E."""
-    with BallReals(64 + 4 * digits):
-        return (both - first - second) / 2
+    return pairings([D, E], digits)[0, 1]
 
 
 def _checked(D: Any, argument: str) -> Divisor:
@@ -136,9 +122,9 @@ def regulator(classes: Sequence[Divisor], digits: int = 20) -> Real:
 def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
     """A relation of the classes: integers m, not all 0, with Σ m_i D_i of finite order; None if there is provably none.
 
-    Independence is proven by a determinant of pairings, a ball without 0. To prove dependence, ratios of pairings
-    are rounded to fractions, whose common denominator gives integers m_i. Then it is proven exactly
-    that Σ m_i D_i has finite order. PrecisionLoss where neither succeeds with this many digits.
+    A determinant of pairings that is a ball without 0 proves independence. Otherwise a linear system of pairings gives
+    the m_i up to a factor, as balls, which are rounded to fractions; that Σ m_i D_i has finite order is then proven
+    exactly. PrecisionLoss where neither succeeds with this many digits.
     """
     classes = _of_one_group(classes)
     matrix = pairings(classes, digits)
@@ -151,9 +137,9 @@ def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
 
 
 def dependence(matrix: Any, classes: Sequence[Divisor], digits: int) -> tuple[list[int], int] | None:
-    """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order, where D is the last class and the D_i, the others, are
-    independent; None if D is provably independent of them. ``matrix``: the pairings of the classes; further rows and
-    columns are ignored.
+    """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order, where D is the last class and the D_i are the others, which
+    are independent. None if D is provably independent of them. ``matrix``: the pairings of the classes, and possibly
+    further rows and columns.
     """
     from flint import arb_mat
 
@@ -200,5 +186,6 @@ def pairings(classes: Sequence[Divisor], digits: int) -> Any:
         rows[i][i] = height
     for i, j in combinations(range(size), 2):
         both = canonical_height(classes[i] + classes[j], digits)
-        rows[i][j] = rows[j][i] = _polarized(both, heights[i], heights[j], digits)
+        with BallReals(64 + 4 * digits):
+            rows[i][j] = rows[j][i] = (both - heights[i] - heights[j]) / 2
     return arb_mat(rows)

@@ -1,10 +1,10 @@
 """The Kummer surface of a curve of genus 2 over QQ or GF(p), and doubling on it (Flynn 1993; Cassels & Flynn 1996,
 chapter 3). Sums on it are in :mod:`jacobian.relatives.pseudo_group`.
 
-For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − (∞₊ + ∞₋) is mapped by κ to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁,
-x₂) − 2y₁y₂)/(x₁−x₂)²), F₀ as in chapter 3. A class and its negative have the same image. Doubling is given by four
-quartic forms δ with integral coefficients, found from doubled classes over finite fields, by linear algebra and the
-Chinese remainder theorem.
+The surface is the Jacobian modulo D ↦ −D. For y² = f(x) the class of (x₁, y₁) + (x₂, y₂) − (∞₊ + ∞₋) is mapped by κ to
+(1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) − 2y₁y₂)/(x₁−x₂)²), F₀ as in chapter 3. If f is integral, there are four quartic forms δ
+with integral coefficients and κ(2D) = δ(κ(D)). They are found from doubled classes over finite fields, by linear
+algebra and the Chinese remainder theorem.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from jacobian.group import Jacobian
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
 
-# quartic monomials: exponents of ξ₁ … ξ₄, and the indices of the factors in two pairs. The equation of the surface,
-# where ξ₂²ξ₄² has the coefficient 1, eliminates that monomial
+# the quartic monomials in ξ₁ … ξ₄, {their exponents: the indices of their factors in two pairs}. ξ₂²ξ₄² is left out: it
+# has the coefficient 1 in the equation of the surface, which expresses it by the others
 FACTORS = {
     tuple(chosen.count(i) for i in range(4)): (chosen[:2], chosen[2:])
     for chosen in combinations_with_replacement(range(4), 4)
     if chosen != (1, 1, 3, 3)
 }
 MONOMIALS = list(FACTORS)
-# the coefficients of δ are polynomials of degree 4 in those of f. The modulus exceeds their expected size by
-# 2·SPARE_BITS bits. An integer that exceeds that size by more than SPARE_BITS bits is rejected as a coefficient
+# the coefficients of δ are polynomials of degree 4 in those of f, of the size of max|f_i|⁴. They are computed modulo a
+# product of primes that is larger by 2·SPARE_BITS bits; residues larger than that size by SPARE_BITS bits are an error
 SPARE_BITS = 80
 MOST_PRIMES = 200
-# number of classes D whose images κ(D) and κ(2D) determine δ
+# the number of classes D from whose κ(D) and κ(2D) δ is found
 CLASSES = 60
 
 Coordinates = tuple[Any, ...]
@@ -66,9 +66,6 @@ class KummerSurface(Immutable):
     def _value(self) -> tuple[object, ...]:
         return (self.curve,)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return KummerSurface, self._value()
-
     def __repr__(self) -> str:
         return f"Kummer surface of {self.curve!r}"
 
@@ -90,11 +87,11 @@ class KummerSurface(Immutable):
         v = [self.scale * c for c in double] + [K.zero] * 2
         if len(D.u) == 3:
             return coordinates(f, D.u, v)
-        h3 = self.curve.h[3] if len(self.curve.h) > 3 else 0
-        # the value of y/x³ at ∞₊ on y² = f(x)
-        slope = 0 if D.n is None else self.scale * (2 * self.curve.infinity_plus + h3)
         if len(D.u) == 2:
             x = -D.u[0]
+            # the value of Y/x³ at the point at infinity of D
+            h3 = self.curve.h[3] if len(self.curve.h) > 3 else 0
+            slope = 0 if D.n is None else self.scale * (2 * self.curve.infinity_plus + h3)
             slope = slope if D.n in (1, None) else -slope
             return 0, 1, x, 2 * f[6] * x**3 + f[5] * x**2 - 2 * slope * v[0]
         if D.n in (1, None):
@@ -107,31 +104,31 @@ class KummerSurface(Immutable):
 
         They are unique modulo the equation of the surface if the coefficient of ξ₄⁴ in δ₄ is 1.
         """
-        whole = self.integers(4 * len(MONOMIALS), self._delta_modulo)
-        rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
+        rows = self.integers(len(MONOMIALS), self._delta_modulo)
         return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
 
-    def integers(self, count: int, modulo: Callable[[Jacobian], list[int]]) -> list[int]:
-        """``count`` integers that are integral polynomials of degree 4 in the coefficients of f, from residues.
+    def integers(self, width: int, modulo: Callable[[Jacobian], list[int]]) -> list[list[int]]:
+        """Integers, known to be integral polynomials of degree 4 in the coefficients of f, in rows of this width.
 
-        ``modulo(J)`` returns them modulo p, J being the Jacobian of y² = f(x) over GF(p).
+        ``modulo(J)`` returns their residues modulo p in one list, J being the Jacobian of y² = f(x) over GF(p).
         """
         size = max(map(abs, self.f)) ** 4
-        modulus, residues = 1, [0] * count
+        modulus, residues = 1, list[int]()
         for J in self._reductions():
             p, found = J.field.characteristic, modulo(J)
             step = pow(modulus, -1, p)
-            residues = [r + modulus * ((c - r) * step % p) for r, c in zip(residues, found, strict=True)]
+            known = residues or [0] * len(found)
+            residues = [r + modulus * ((c - r) * step % p) for r, c in zip(known, found, strict=True)]
             modulus *= p
             if modulus > size << (2 * SPARE_BITS):
                 break
         whole = [r - modulus if 2 * r > modulus else r for r in residues]
         if max(map(abs, whole)) > size << SPARE_BITS:
             raise Infeasible(f"{self.curve!r}: the forms of its Kummer surface were not found")
-        return whole
+        return [whole[i : i + width] for i in range(0, len(whole), width)]
 
     def _reductions(self) -> Iterator[Jacobian]:
-        """Yields the Jacobians of y² = f(x) over GF(p) for primes p of good reduction just below 2⁶¹."""
+        """Yields the Jacobians of y² = f(x) over GF(p) for primes p of good reduction, descending from 2⁶¹ − 1."""
         for p in filter(is_prime, range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2)):
             try:
                 C = HyperellipticCurve(GF(p), [c % p for c in self.f])
@@ -140,7 +137,7 @@ class KummerSurface(Immutable):
             yield C.jacobian()
 
     def _delta_modulo(self, J: Jacobian) -> list[int]:
-        """All coefficients of δ modulo a prime, from the condition that δ maps κ(D) to κ(2D) for CLASSES classes D."""
+        """All coefficients of δ modulo a prime, from the equations δ_1(x)·y_i = δ_i(x)·y_1 for x = κ(D), y = κ(2D)."""
         rows, p = [], J.field.characteristic
         for x, y in self._doubles(J):
             values = monomials(x).values()
@@ -181,9 +178,7 @@ def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
     return _known_surface(check_curve(curve))
 
 
-@lru_cache(maxsize=32)
-def _known_surface(curve: HyperellipticCurve) -> KummerSurface:
-    return KummerSurface(curve)
+_known_surface = lru_cache(maxsize=32)(KummerSurface)
 
 
 def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | None:
@@ -202,7 +197,7 @@ def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | 
 
 
 def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordinates:
-    """κ of the class of (u, v), deg u = 2. By y_i² = f(x_i) its last entry needs no division by (x₁−x₂)²."""
+    """κ of the class of (u, v), deg u = 2. With y_i² = f(x_i) the fraction in ξ₄ becomes a polynomial in u and v."""
     s, p = -u[1], u[0]
     last = s * s - p
     return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]

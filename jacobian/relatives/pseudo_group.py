@@ -1,10 +1,10 @@
 """The pseudo-group of a Kummer surface over GF(p): doublings, sums of points with a known difference, multiples.
 
-On the surface D and −D are one point κ(D), so κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): either determines the
-other. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels & Flynn
-1996, chapter 3). The coefficients are found like the doubling forms of :mod:`jacobian.relatives.kummer`: from classes
-over finite fields, by linear algebra modulo primes and the Chinese remainder theorem. The formulas of addition are in
-:mod:`jacobian.relatives.pseudo_sums`.
+On the surface D and −D are one point κ(D). So κ(D) and κ(E) have two sums, x = κ(D + E) and y = κ(D − E). The products
+x_i·y_j + x_j·y_i are, up to a common factor, forms b_ij that are quadratic in κ(D) and in κ(E) (Cassels & Flynn 1996,
+chapter 3). Together with y they give x (:mod:`jacobian.relatives.pseudo_sums`). The coefficients of the b_ij are found
+like the doubling forms of :mod:`jacobian.relatives.kummer`: from classes over finite fields, by linear algebra modulo
+primes and the Chinese remainder theorem.
 """
 
 from __future__ import annotations
@@ -36,9 +36,11 @@ from jacobian.relatives.pseudo_sums import COMPILED, FORMS, SCRATCH, Forms
 INDICES = list(combinations_with_replacement(range(4), 2))
 """The indices (i, j), i ≤ j, of the forms b_ij and of the quadratic monomials of a point."""
 TERMS = list(combinations_with_replacement(range(len(INDICES)), 2))
+"""The terms of a biquadratic form as pairs of indices of quadratic monomials (:func:`biquadratic`)."""
 LEADING = TERMS.index((INDICES.index((0, 0)), INDICES.index((3, 3))))
 """The index of the term ξ₁²η₄² + ξ₄²η₁² of two points ξ and η, which has the coefficient 1 in b₁₁."""
 CLASSES = 2 * len(TERMS) + 6
+"""The number of pairs of classes from which two forms are found, each with a coefficient for each of the TERMS."""
 STEP = 1 << 8
 """The number of points in one call of a loop over points."""
 
@@ -134,7 +136,7 @@ class PseudoGroup(Immutable):
     # --- sums
 
     def _run(self, name: str, found: dict[str, tuple[list[int], bool]], *bits: Any) -> Any:
-        """The result of the operation ``name`` on single points or on arrays of points, ``found`` by argument name."""
+        """The result of the function ``name`` of pseudo_sums; ``found``: its points, read by :meth:`_residues`."""
         if len({(len(values), single) for values, single in found.values()}) > 1:
             raise ArgumentError(f"{', '.join(found)}: points, or as many of each, are needed")
         operands, single = [values for values, _ in found.values()], next(iter(found.values()))[1]
@@ -173,7 +175,7 @@ class PseudoGroup(Immutable):
 
     @cached_property
     def _forms(self) -> Any:
-        """The context and the forms for :mod:`jacobian.relatives.pseudo_sums`."""
+        """The arithmetic modulo p and the forms, as arguments of the functions of pseudo_sums."""
         K: Any = two_words(self._p) if self._p < 1 << 128 else Residues(self._p)
         forms = forms_of_surface(self.surface, self._p, K.to_word)
         if not self._is_compiled:
@@ -191,11 +193,11 @@ def forms_of_surface(surface: KummerSurface, modulus: int, to_word: Callable[[in
 
 
 FACTORED = {tuple(sorted(INDICES[k] + INDICES[m])): (k, m) for k, m in reversed(TERMS)}
-"""The first of TERMS for each monomial of degree four, by the indices of its factors."""
+"""The quartic monomials of a point, by the indices of their four factors, each as the first of TERMS that gives it."""
 
 
 def doubled(form: dict[tuple[int, int], int], p: int) -> dict[tuple[int, int], int]:
-    """The terms of a biquadratic form at (x, x): products of two quadratic monomials of x, equal products merged."""
+    """The coefficients of the quartic form in x that a biquadratic form becomes at (x, x); keys as in FACTORED."""
     found: dict[tuple[int, int], int] = {}
     for (k, m), c in form.items():
         pair = FACTORED[tuple(sorted(INDICES[k] + INDICES[m]))]
@@ -256,15 +258,13 @@ def biquadratic(surface: KummerSurface) -> list[list[int]]:
 
     The term (k, l) is q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y) for k = l, q_k being the quadratic monomials.
     """
-    size = len(TERMS)
-    whole = surface.integers(len(INDICES) * size, lambda J: biquadratic_modulo(surface, J))
-    return [whole[i : i + size] for i in range(0, len(whole), size)]
+    return surface.integers(len(TERMS), lambda J: biquadratic_modulo(surface, J))
 
 
 def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
     """The coefficients of :func:`biquadratic` modulo a prime of 61 bits, in one list.
 
-    The ratio of b₁₁ to b₁₂ determines these two forms, and b₁₁ determines all other forms.
+    First b₁₁ and b₁₂ are found from their ratios. With b₁₁ the common factors of the values of all forms are known.
     """
     from flint import nmod_mat
 
@@ -287,9 +287,8 @@ def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
 
 
 def _pairs_of_classes(f: Sequence[int], J: Jacobian) -> list[tuple[list[int], list[int]]]:
-    """For CLASSES pairs (D, E) of classes in general position: two lists modulo p.
-
-    They are the terms at κ(D), κ(E), and the values of the forms there up to a common factor.
+    """Two lists modulo p for each of CLASSES pairs (D, E) of classes in general position: the values of the TERMS at
+    κ(D), κ(E), and those of the forms up to a common factor.
     """
     p = J.field.characteristic
     rng = Random(p)

@@ -1,8 +1,8 @@
 """Sums on a Kummer surface modulo a prime, from the biquadratic forms of :mod:`jacobian.relatives.pseudo_group`.
 
 With x = κ(a + b) and y = κ(a − b) the forms at κ(a), κ(b) are b_ij = x_i·y_j + x_j·y_i, b_ii = x_i·y_i, up to a common
-factor. If y_i = 1, then x_i = b_ii and x_j = b_ij − b_ii·y_j, so four forms give the sum. This holds for all points,
-because the forms never all vanish. A double is the sum with the difference κ(0).
+factor. If y_i = 1, then x_i = b_ii and x_j = b_ij − b_ii·y_j, so four forms give the sum x. This holds for all points,
+because the forms never all vanish. A double is the sum with the difference y = κ(0).
 
 :mod:`jacobian.native` compiles the functions for primes of two words; Python runs them for longer ones.
 """
@@ -18,12 +18,13 @@ from jacobian.native.modular import CONTEXT
 from jacobian.numbers.words import inverse
 
 Forms = namedtuple("Forms", "first second ends place begin coefficient")
-Forms.__doc__ = """Forms in tables: i < 4 has b_(i+1)1 … b_(i+1)4, 4 has b_41 … b_44 at (a, a), 5 the equation.
+Forms.__doc__ = """Six tables of forms: table i < 4 has b_(i+1)1 … b_(i+1)4, table 4 has b_41 … b_44 at (a, a), table 5
+the equation of the surface.
 
-Term n is q_k(a)q_l(b) + q_l(a)q_k(b) with k = ``first``[n] and l = ``second``[n]. The second product is left out for
-k = l, and in tables 4 and 5. Table i has the terms from ``ends``[i] to ``ends``[i + 1]. The summands m of its form j
-run from ``begin``[4i + j] to ``begin``[4i + j + 1], a multiple of four of them. Summand m is ``coefficient``[m] times
-the term ``place``[m] of the table, counted from 0.
+Let q_k be the quadratic monomials. Term n is q_k(a)q_l(b) + q_l(a)q_k(b) with k = ``first``[n] and l = ``second``[n];
+the second product is left out for k = l, and in tables 4 and 5. Table i has the terms from ``ends``[i] to
+``ends``[i + 1]. The summands m of its form j run from ``begin``[4i + j] to ``begin``[4i + j + 1], a multiple of four of
+them. Summand m is ``coefficient``[m] times the term ``place``[m] of the table, counted from 0.
 """
 
 QUADRATIC = 10
@@ -129,12 +130,12 @@ def unit(x: Any) -> Any:
 
 
 def encoded(K: Any, x: Any) -> Any:
-    """The point x, given as residues, in the words of the context K."""
+    """The residues x of a point as words of the context K (:mod:`jacobian.numbers.words`)."""
     return K.to_word(x[0]), K.to_word(x[1]), K.to_word(x[2]), K.to_word(x[3])
 
 
 def normal(K: Any, x: Any) -> Any:
-    """The residues of a point given in words, scaled so that the first nonzero one is 1."""
+    """The residues of a point x, given as words of K, scaled so that the first nonzero one is 1."""
     c = inverse(K, x[unit(x)])
     return (
         K.from_word(K.dot(x[0], c)),
@@ -144,11 +145,11 @@ def normal(K: Any, x: Any) -> Any:
     )
 
 
-# --- one point: returns (0, the result), or (i, anything) if argument i, counted from 1, is not a point
+# --- one point: a function returns (0, the result), or (i, any point) if its argument i, counted from 1, is no point
 
 
 def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
-    """(0, κ(D + E)) for x = κ(D), y = κ(E) and difference = κ(D − E), or the number of the wrong argument."""
+    """κ(D + E) for x = κ(D), y = κ(E) and difference = κ(D − E)."""
     a, b, d = encoded(K, x), encoded(K, y), encoded(K, difference)
     if not is_point(K, F, S, a):
         return 1, x
@@ -160,7 +161,7 @@ def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
 
 
 def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
-    """(0, κ(2D)) for x = κ(D), or the number of the wrong argument."""
+    """κ(2D) for x = κ(D)."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x
@@ -168,7 +169,7 @@ def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
 
 
 def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
-    """(0, κ(mD)) for x = κ(D) and the bits of m, descending, or the number of the wrong argument."""
+    """κ(mD) for x = κ(D) and the bits of m, descending."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x

@@ -1,17 +1,18 @@
-"""Generalized Jacobians with modulus a fibre π*(x₀): ∞₊ + ∞₋, 2∞, (x₀, y₀) + (x₀, −y₀ − h), or twice a branch point.
+"""Generalized Jacobians whose modulus m is a fibre of (x, y) ↦ x: two points (x₀, y₀) and (x₀, −y₀ − h(x₀)), twice a
+branch point, ∞₊ + ∞₋, or 2∞.
 
-The group consists of divisors of degree zero prime to the modulus m, up to divisors of functions that are constant on
-m. It is the ray class group of m, an extension of the Jacobian by the group A*/K* of :mod:`jacobian.relatives.fibre`
-(Rosenlicht 1954; Serre 1959, chapters V and VII).
+The group consists of divisors of degree zero prime to m, up to divisors of functions that are constant on m. It is the
+ray class group of m, an extension of the Jacobian by A*/K*, where A is the ring of functions on m over the field K
+(:mod:`jacobian.relatives.fibre`; Rosenlicht 1954; Serre 1959, chapters V and VII).
 
-Here a class is a reduced divisor D of the Jacobian, which need not be prime to m, and a class c of A*/K*. The pair
-(D, c) represents the line bundle O(D) with the generator c·φ_D over m, where φ_D is a fixed function with the divisor
-of D there. If D₁ + D₂ = D₃ + div F, then
+Here an element is a pair (D, c) of a reduced divisor D of the Jacobian, which may meet m, and a class c of A*/K*. It
+represents the ideal of D together with its generator c·φ_D at m, where φ_D is a fixed function that has the divisor D
+at the points of m. If D₁ + D₂ = D₃ + div F, then
 
     (D₁, c₁) + (D₂, c₂) = (D₃, c₁c₂ · φ₁φ₂/(F φ₃)),
 
-the last factor being a unit over x₀. Functions of x are constant on m and may be dropped. So F is the product of the
-functions y − v, one for each reduction step. (Déchène 2005 has this in genus 1 and in general position.)
+and φ₁φ₂/(F φ₃) has no zeros or poles on m. Functions of x are constant on m and are left out of F, which therefore is
+the product of the functions y − v of the reduction steps. (Déchène 2005 has this in genus 1 and in general position.)
 """
 
 from __future__ import annotations
@@ -37,9 +38,9 @@ from jacobian.relatives.fibre import FibreGroup, Function, Unit, conjugate
 class RayClassGroup(Immutable):
     """The generalized Jacobian of ``curve`` with modulus the points over x₀, ``x0`` = None being x₀ = ∞.
 
-    The curve has any genus, and any model for which this package has a Jacobian; FieldError over an inexact field, for
-    which :class:`jacobian.relatives.glued.GeneralizedJacobian` adds general pairs of an elliptic curve. ``jacobian``:
-    the Jacobian onto which this group maps; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`.
+    The curve has any genus, and any model for which this package has a Jacobian. ``jacobian``: the Jacobian onto which
+    this group maps; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`. FieldError over an inexact
+    field; there :class:`jacobian.relatives.glued.GeneralizedJacobian` is the group of an elliptic curve and ∞₊ + ∞₋.
     """
 
     def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:
@@ -57,9 +58,6 @@ class RayClassGroup(Immutable):
 
     def _value(self) -> tuple[object, ...]:
         return (self.fibre,)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return _group, (self.curve, None if self.x0 is None else self.field.key(self.x0))
 
     # --- elements
 
@@ -80,8 +78,9 @@ class RayClassGroup(Immutable):
     def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> RayClass:
         """The class of the divisor of a semi-reduced pair (u, v) prime to the modulus, of any degree.
 
-        At finite x₀ the divisor is that of :meth:`jacobian.group.Jacobian.from_mumford`. At x₀ = ∞ it is div(u, v) −
-        (deg u/2)·π*(∞): deg u must be even and n left out. NotRepresentable where the divisor meets the modulus.
+        At finite x₀ the divisor is that of :meth:`jacobian.group.Jacobian.from_mumford`. At x₀ = ∞ it is div(u, v)
+        minus deg u/2 times the fibre at infinity: deg u must be even and n left out. NotRepresentable where the divisor
+        meets the modulus.
         """
         J, K = self.jacobian, self.field
         u = J._check_monic(poly.coerce(K, u, "u"))
@@ -166,7 +165,10 @@ class RayClassGroup(Immutable):
         return multiple(m, C, self.add, double, self.negate, self.zero())
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
-        """The class of (divisor of the triple, unit · Π functions); the triple belongs to the Jacobian's own model."""
+        """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at m.
+
+        ``triple`` is a divisor on the model of the curve on which the Jacobian computes.
+        """
         model = self.jacobian._model
         u, v, n = triple
         functions = list(functions)
@@ -184,20 +186,20 @@ class RayClassGroup(Immutable):
         return RayClass(self, self.jacobian._out((u, v, n)), unit)
 
     def _minus(self, v: poly.Poly) -> Function:
-        """The function y − v on the curve; v is given on the Jacobian's own model."""
+        """The function y − v on the curve, for a v on the model on which the Jacobian computes."""
         K, move = self.field, self.jacobian._move
         return poly.neg(K, v if move is None else poly.add(K, v, move)), (K.one,)
 
     def _generator(self, triple: cantor.Triple) -> list[Function]:
-        """The factors of φ_D, a function with the divisor of D over x₀, up to functions of x."""
-        return self._generator_at_infinity(triple) if self.x0 is None else self._generator_at(triple, self.x0)
-
-    def _generator_at(self, triple: cantor.Triple, x0: Any) -> list[Function]:
+        """The factors of φ_D, a function that has the divisor D at the points over x₀, without functions of x."""
+        if self.x0 is None:
+            return self._generator_at_infinity(triple)
         K, model, (u, v, _) = self.field, self.jacobian._model, triple
-        if poly.evaluate(K, u, x0) != K.zero:
+        if poly.evaluate(K, u, self.x0) != K.zero:
             return []
-        if poly.evaluate(K, cantor.cofactor(model, u, v), x0) == K.zero:
-            # y − v vanishes to too high an order at the point of D; y − v − u does not, because it is no branch point
+        if poly.evaluate(K, cantor.cofactor(model, u, v), self.x0) == K.zero:
+            # y − v vanishes to a higher order than D at the point (x₀, v(x₀)). This is no branch point, so u has the
+            # order of D there, and so does y − v − u
             v = poly.add(K, v, u)
         return [self._minus(v)]
 
@@ -207,11 +209,11 @@ class RayClassGroup(Immutable):
             if len(u) % 2 or self.curve.model == "inert":
                 return []
             return [(poly.monomial(K, K.neg(self.curve.infinity_plus), g + 1), (K.one,))]
-        # ``weight`` is (weight at ∞₊) − (weight at ∞₋); ``zero`` has a simple zero at ∞₊ and none at ∞₋
+        # D has the coefficients m₊ at ∞₊ and m₋ at ∞₋, ``weight`` = m₊ − m₋; x^(−g−1) times ``zero`` has a simple zero
+        # at ∞₊ and none at ∞₋
         weight = 2 * n + len(u) - 1 - 2 * ((g + 1) // 2)
         second = K.zero if coefficient(K, self.curve.principal_parts[0], g) != K.zero else K.one
-        zero = ((*[K.zero] * g, K.neg(second), K.neg(self.curve.infinity_plus)), (K.one,))
-        zero = (poly.trim(K, zero[0]), zero[1])
+        zero = poly.trim(K, (*[K.zero] * g, K.neg(second), K.neg(self.curve.infinity_plus))), (K.one,)
         return [zero if weight > 0 else conjugate(self.curve, zero)] * abs(weight)
 
 
@@ -222,16 +224,11 @@ class RayClass(Immutable):
     False for the identity. CurveMismatch where classes of two groups are combined.
     """
 
-    __slots__ = ("divisor", "group", "unit")
-
-    group: RayClassGroup
-    divisor: Divisor
-    unit: Unit
-
     def __init__(self, group: RayClassGroup, divisor: Divisor, unit: Unit) -> None:
-        object.__setattr__(self, "group", group)
-        object.__setattr__(self, "divisor", divisor)
-        object.__setattr__(self, "unit", unit)
+        self.group, self.divisor, self.unit = group, divisor, unit
+
+    def _value(self) -> tuple[object, ...]:
+        return self.group, self.divisor, self.unit
 
     def _compatible(self, other: RayClass) -> RayClass:
         if other.group != self.group:
@@ -269,30 +266,9 @@ class RayClass(Immutable):
     __rmul__ = __mul__
     __array_ufunc__ = None
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, RayClass):
-            return NotImplemented
-        return self.divisor == other.divisor and self.unit == other.unit and self.group == other.group
-
-    def __hash__(self) -> int:
-        return hash((self.divisor, tuple(map(self.group.field.key, self.unit))))
-
     def __bool__(self) -> bool:
         return bool(self.divisor) or self.unit != self.group.fibre.identity
 
     def __repr__(self) -> str:
         a, b = self.unit
         return f"({self.divisor!r}; {a} : {b})"
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return _class, (self.group, self.divisor, tuple(map(self.group.field.key, self.unit)))
-
-
-def _group(curve: HyperellipticCurve, key: Any) -> RayClassGroup:
-    K: Any = curve.field
-    return RayClassGroup(curve, None if key is None else K.from_key(key))
-
-
-def _class(group: RayClassGroup, divisor: Divisor, keys: Any) -> RayClass:
-    a, b = map(group.field.from_key, keys)
-    return RayClass(group, divisor, (a, b))

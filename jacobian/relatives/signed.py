@@ -1,17 +1,20 @@
 """The sign-resolved group: divisors together with square roots at chosen branch points.
 
-At a root e of f the numbers U(e), V(e), −W(e), W = (f − V²)/U, form a symmetric matrix of rank one, because V² + UW = f
-vanishes there. A *pair* (σ, ν) with κσ² = U(e), κσν = V(e), κν² = −W(e) is a square root of this matrix up to the
-constant κ. The pairs at several branch points resolve the signs that the divisor forgets. Pairs add as follows, with
-one prime for the second summand and two for the sum. Let q·y − p vanish on D and D', let b² be the leading coefficient
-of (p² − q²f)/(U·U'), and let
+Let W = (f − V²)/U for a Mumford pair (U, V). At a root e of f the symmetric matrix with the rows (U(e), V(e)) and
+(V(e), −W(e)) has rank one, because V² + UW = f vanishes there. So for each constant κ ≠ 0 there are, perhaps in a
+quadratic extension, σ and ν with
+
+    κσ² = U(e),    κσν = V(e),    κν² = −W(e).
+
+(σ, ν) is called the *pair* of the divisor at e. For a given κ the divisor determines it up to sign. The group consists
+of divisors with pairs at chosen branch points. In its addition D' is the second summand and D'' the sum. Let
+q·y − p vanish on D and D', let b² be the leading coefficient of (p² − q²f)/(U·U'), and let
 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
-Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. This linear map of (σ, ν) has the determinant
-1/κ', and the summands may change places. The addition is a commutative group law on divisors of weight g = 2, with
-inverse (−D; σ, −ν). (Tsiganov's formula s'' = P(e)/(b s s') gives σ''; with ν the addition stays regular where U(e) =
-0.)
+Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ', and the same with D and D' exchanged. This is a
+commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula s'' = P(e)/(b s s')
+gives σ''; with ν the addition stays regular where U(e) = 0.)
 """
 
 from __future__ import annotations
@@ -40,7 +43,9 @@ class SignedDivisor(NamedTuple):
 
 
 class Row(NamedTuple):
-    """The equation divisor·x = value for a number x; ``terms``: the size of the value's terms over an inexact field."""
+    """The equation divisor·x = value for a number x. ``terms``: over an inexact field, the sum of the absolute values
+    of the terms that were added to ``value``.
+    """
 
     divisor: Any
     value: Any
@@ -50,9 +55,9 @@ class Row(NamedTuple):
 class SignedGroup(Immutable):
     """The group of divisors on y² = f(x) with pairs at the given branch points.
 
-    The weight of the divisors is two for deg f = 5, the Jacobian of a curve of genus 2, and for deg f = 4, the
+    The weight of the divisors, deg u, is two for deg f = 5, the Jacobian of a curve of genus 2, and for deg f = 4, the
     generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋. The weight is one for deg f = 3, an elliptic curve.
-    Summands of weight one are admitted for deg f = 5 and 3 if the field contains √(leading coefficient).
+    Summands of weight one are admitted for deg f = 5 and 3 if the field contains √(leading coefficient of f).
     """
 
     def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:
@@ -81,8 +86,8 @@ class SignedGroup(Immutable):
         for e, sign in zip(self.branch_points, signs or (1,) * len(self.branch_points), strict=True):
             value = K.mul(kappa, poly.evaluate(K, u, e))
             if value == K.zero:
-                nu = K.sqrt(K.neg(K.mul(kappa, self._cofactor_at(u, v, e))))
-                pair = (K.zero, nu)
+                cofactor = poly.quotient(K, poly.sub(K, self.curve.f, poly.mul(K, v, v)), u)
+                pair = (K.zero, K.sqrt(K.neg(K.mul(kappa, poly.evaluate(K, cofactor, e)))))
             else:
                 sigma = K.sqrt(value)
                 pair = (sigma, K.div(poly.evaluate(K, v, e), K.mul(kappa, sigma)))
@@ -115,7 +120,7 @@ class SignedGroup(Immutable):
         return D._replace(v=poly.neg(K, D.v), pairs=pairs)
 
     def double(self, D: SignedDivisor) -> SignedDivisor:
-        """D + D, with κ = 1 (−1 for weight one): since the sum has ±κ², the κ of D is moved into σ and ν."""
+        """D + D with κ = 1 (−1 for weight one): the square of D's κ, which the sum has, is moved into σ and ν."""
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
         scales = [K.mul(sign, k) for k in D.kappas]
@@ -180,7 +185,7 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
 
     def _sum(self, D: SignedDivisor, E: SignedDivisor) -> tuple[poly.Poly, Any, Any, poly.Poly, poly.Poly]:
-        """(p, q, b, u, v) for D + E: the function q·y − p, the root b, and the reduced sum (u, v)."""
+        """(p, q, b, u, v) for D + E: p, q and b of the module's docstring, and the reduced sum (u, v)."""
         K, f = self.field, self.curve.f
         if K.exact:
             product, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
@@ -207,7 +212,7 @@ class SignedGroup(Immutable):
     def _transfer(
         self, p: poly.Poly, q: Any, u: poly.Poly, v: poly.Poly, u1: poly.Poly, v1: poly.Poly
     ) -> tuple[poly.Poly, poly.Poly]:
-        """The polynomials (L, N) that belong to one summand (u1, v1); (u, v) is the sum."""
+        """The polynomials (L, N) of the module's docstring for the summand (u1, v1) and the sum (u, v)."""
         K, f = self.field, self.curve.f
         minus = K.neg(q)
         slope = poly.quotient(K, poly.add(K, p, poly.scale(K, minus, v1) if v1 else v1), u1)
@@ -218,22 +223,20 @@ class SignedGroup(Immutable):
     def _row(
         self, e: Any, q: Any, transfer: tuple[poly.Poly, poly.Poly], last: poly.Poly, pair: Pair, divisor: Any
     ) -> tuple[Row, Row]:
-        """The equations for σ'' and ν'' at the branch point e that one summand gives."""
+        """The formulas for σ'' and ν'' at e from one summand's (L, N) = ``transfer``, L'' = ``last`` and pair."""
         K = self.field
         (slope, lower), (sigma, nu) = transfer, pair
         first = K.add(K.mul(poly.evaluate(K, slope, e), sigma), K.mul(q, nu))
         second = K.add(K.mul(poly.evaluate(K, lower, e), sigma), K.mul(poly.evaluate(K, last, e), nu))
         if K.exact:
             return Row(divisor, first, 0), Row(divisor, second, 0)
-        terms = poly.size_at(slope, e) * abs(sigma) + abs(q * nu)
-        return Row(divisor, first, terms), Row(
-            divisor, second, poly.size_at(lower, e) * abs(sigma) + poly.size_at(last, e) * abs(nu)
-        )
+        size = abs(sigma)
+        terms = poly.size_at(slope, e) * size + abs(q * nu)
+        lower_terms = poly.size_at(lower, e) * size + poly.size_at(last, e) * abs(nu)
+        return Row(divisor, first, terms), Row(divisor, second, lower_terms)
 
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
-        """(σ'', ν'') from the equations of both summands: from one with divisor ≠ 0, or over an inexact field the
-        least-squares mean.
-        """
+        """(σ'', ν'') from either summand with divisor ≠ 0, or over an inexact field by least squares from both."""
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
         if not used:
@@ -246,28 +249,23 @@ class SignedGroup(Immutable):
         first, second = (_mean(part) for part in zip(*used, strict=True))
         return first, second
 
-    def _cofactor_at(self, u: poly.Poly, v: poly.Poly, e: Any) -> Any:
-        K = self.field
-        cofactor = poly.quotient(K, poly.sub(K, self.curve.f, poly.mul(K, v, v)), u)
-        return poly.evaluate(K, cofactor, e)
-
 
 def sheared(K: Field, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
-    """The pairs of (U, V + cU), given those of (U, V): σ stays, since U does, and ν becomes ν + cσ."""
+    """The pairs (σ, ν + cσ) of the Mumford pair (U, V + cU), from the pairs (σ, ν) of (U, V)."""
     return tuple((sigma, K.add(nu, K.mul(c, sigma))) for sigma, nu in pairs)
 
 
 def reflected(K: Field, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
-    """The pairs (ν/ρ, −ρσ) of (Ũ, −P), where Ũ has the other zeros of y − P besides those of (U, P); ``roots``: the ρ.
+    """The pairs (ν/ρ, −ρσ) of the Mumford pair (Ũ, −P), from the pairs (σ, ν) of (U, P) and ``roots``, the ρ.
 
-    P² − f = R·U·Ũ with κσ² = U(e), κσν = P(e), and ρ² = R(e) ≠ 0; κ stays. R is the leading coefficient of P² − f for a
-    step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
+    Here P² − f = R·U·Ũ and ρ² = R(e) ≠ 0; κ stays the same. R is the leading coefficient of P² − f for a step along the
+    pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
     """
     return tuple((K.div(nu, rho), K.neg(K.mul(rho, sigma))) for (sigma, nu), rho in zip(pairs, roots, strict=True))
 
 
 def _mean(rows: Sequence[Row]) -> Any:
-    """The least-squares solution x of the equations divisor·x = value, each divided by the size of its terms."""
+    """The least-squares solution x of the equations divisor·x = value, each divided by its ``terms``."""
     numerator = denominator = 0
     for divisor, value, terms in rows:
         unit = terms or 1

@@ -1,8 +1,9 @@
 """All classes of finite order over QQ in genus 2, lifted from classes modulo a prime.
 
-Let the class T̄ of J(GF(p)) have order m, prime to p. It is the reduction of one class T of order m over the p-adic
-numbers. So κ(T) is the fixed point, above κ(T̄), of the multiplication by m + 1 on the Kummer surface. This
-multiplication acts on tangents as the factor m + 1, hence Newton's step x − ((m + 1)x − x)/m doubles the p-adic digits.
+Let the class T̄ of J(GF(p)) have order m, prime to p. It is the reduction of exactly one class T of order m over the
+p-adic numbers. On the Kummer surface κ(T) is the only point that reduces to κ(T̄) and is mapped to itself by the map
+φ: κ(D) ↦ κ((m + 1)D). The derivative of φ there is m + 1, so Newton's step x − (φ(x) − x)/m for φ(x) = x doubles the
+number of correct p-adic digits.
 
 If T is rational, its canonical height is 0, which bounds the integral coordinates of κ(T)
 (:mod:`jacobian.relatives.doubling_bounds`). So once pᵏ exceeds twice the square of the bound, either a rational T is
@@ -13,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from math import ceil, gcd, lcm, log
+from math import ceil, gcd, lcm, log, prod
 from typing import Any
 
 from jacobian import poly
@@ -33,8 +34,8 @@ def grow(group: PrimaryGroup, reduced: PrimaryGroup, whole: PrimaryGroup) -> Non
     """Enlarges a ``group`` of rational classes of ℓ-power order to the group of all such classes.
 
     ``reduced``: the group of their reductions modulo a prime p of good reduction, p ≠ 2, ℓ; ``whole``: the group of all
-    classes of ℓ-power order modulo p. For ℓ = 2 the group must already have all classes of order two, which are nodes
-    of the surface.
+    classes of ℓ-power order modulo p. For ℓ = 2 the group must already contain all classes of order two: their images
+    are singular points of the surface, at which Newton's method fails.
     """
     lifts = TorsionLifts(group.zero.jacobian, whole.zero.jacobian.field.characteristic)  # type: ignore[arg-type]
     tried: set[Divisor] = set()
@@ -44,21 +45,18 @@ def grow(group: PrimaryGroup, reduced: PrimaryGroup, whole: PrimaryGroup) -> Non
             continue
         found = lifts.lifted(T, whole.prime ** max(whole.exponents))
         if found is None:
-            tried.update(c * T + G for c in range(1, whole.prime) for G in _elements(reduced))
+            choices = product(*(range(whole.prime**e) for e in reduced.exponents))
+            tried.update(c * T + reduced.combination(chosen) for chosen in choices for c in range(1, whole.prime))
         else:
             group.insert(found)
             reduced.insert(T)
             classes, tried = _divided(reduced, whole), set()
 
 
-def _elements(group: PrimaryGroup) -> Iterator[Divisor]:
-    for chosen in product(*(range(group.prime**e) for e in group.exponents)):
-        yield group.combination(chosen)
-
-
 def _divided(group: PrimaryGroup, whole: PrimaryGroup) -> Iterator[Divisor]:
     """Yields classes T of ``whole`` outside ``group`` with ℓT in ``group``, at least one of each coset of ``group``."""
     ell = whole.prime
+    # these multiples of the generators generate the classes of order ℓ
     socle = [ell ** (e - 1) for e in whole.exponents]
     for chosen in product(range(ell), repeat=len(group.generators)):
         known = whole.coordinates(group.combination(chosen)) or []
@@ -87,11 +85,9 @@ class TorsionLifts:
         self.equation = equation(self.surface.f)
 
     def lifted(self, T: Divisor, m: int) -> Divisor | None:
-        """A rational class that reduces to T or −T and whose order divides m; None if there is none. 2T ≠ 0 and p ∤ m
-        are required.
-        """
+        """A rational class that reduces to ±T and whose order divides m, or None. 2T ≠ 0 and p ∤ m are required."""
         x = list(self.reduced.point(T))
-        # the reduction has the surface of y² = F = h² + 4f, but ``surface`` is that of y² = scale²·F
+        # modulo p the surface is that of y² = F = h² + 4f, over QQ that of y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
         i = unit(x)
         x = self._scaled(x, i, self.p)
@@ -121,21 +117,20 @@ class TorsionLifts:
 
     def _solved(self, x: list[int], k: int, modulus: int) -> int:
         """The coordinate k of the point of the surface with the other coordinates of x, after one Newton step."""
-        value = sum(c * x[a] * x[b] * x[d] * x[e] for (a, b, d, e), c in self.equation.items())
+        value = sum(c * prod(x[i] for i in indices) for indices, c in self.equation.items())
         return (x[k] - value * pow(self._slope(x, k), -1, modulus)) % modulus
 
     def _slope(self, x: list[int], k: int) -> int:
         """The derivative at x of the surface's equation by the coordinate k."""
-        total = 0
-        for indices, c in self.equation.items():
-            if (power := indices.count(k)) > 0:
-                rest = list(indices)
-                rest.remove(k)
-                total += power * c * x[rest[0]] * x[rest[1]] * x[rest[2]]
-        return total
+        return sum(
+            c * prod(x[i] for i in (*indices[:n], *indices[n + 1 :]))
+            for indices, c in self.equation.items()
+            for n, own in enumerate(indices)
+            if own == k
+        )
 
     def _integers(self, x: list[int], modulus: int) -> list[int] | None:
-        """The only primitive integers of at most ``bits`` bits that can be the point x modulo ``modulus``, or None."""
+        """The primitive integers of at most ``bits`` bits that x can be modulo ``modulus``, unique, or None."""
         fractions = [rational_of(c, modulus, 1 << self.bits) for c in x]
         if None in fractions:
             return None
@@ -147,7 +142,7 @@ class TorsionLifts:
 def rational_of(c: int, modulus: int, bound: int) -> tuple[int, int] | None:
     """The fraction (n, d) with n ≡ cd modulo ``modulus``, |n| ≤ bound, 0 < d ≤ bound and gcd(n, d) = 1, or None.
 
-    It is found by Euclid's algorithm.
+    It is found by Euclid's algorithm (Wang 1981), and is unique for 2·bound² < ``modulus``.
     """
     (r, s), (d, e) = (modulus, c % modulus), (0, 1)
     while s > bound:

@@ -21,8 +21,8 @@ from jacobian import (
     PrecisionLoss,
     poly,
 )
-from jacobian.periods.abel import AbelMap, periods, real_periods
-from jacobian.periods.matrix import symplectic_basis
+from jacobian.periods.abel import AbelMap
+from jacobian.periods.matrix import periods, real_periods, symplectic_basis
 from jacobian.periods.roots import simple_roots
 
 # name: (f, the real roots of f as decimal strings, or None if they must be computed)
