@@ -307,33 +307,31 @@ class Jacobian(FiniteGroup[Element]):
             return self._negate_inexact(D)
         return self._out(cantor.negate(self._model, self._in(D)))
 
-    def _negate_inexact(self, D: Divisor[Element]) -> Divisor[Element]:
-        K, size = self.field, len(D.u) - 1
+    def _opposite(self, D: Divisor[Element]) -> cantor.Triple:
+        """(u, −v − h mod u, n') in the class −D over an inexact field. On a split model of odd genus n' may be
+        g − deg u + 1; then the triple is not reduced.
+        """
+        K = self.field
         v = poly.mod(K, poly.neg(K, poly.add(K, D.v, self.curve.h)), D.u)
-        if D.n is None or self.weight_of_zero is None:
-            return Divisor(self, D.u, v, None)
-        n = 2 * self.weight_of_zero - size - D.n
-        if n <= self.curve.genus - size:
-            return Divisor(self, D.u, v, n)
+        return D.u, v, None if D.n is None else 2 * (self.weight_of_zero or 0) - D.degree - D.n
+
+    def _negate_inexact(self, D: Divisor[Element]) -> Divisor[Element]:
+        u, v, n = self._opposite(D)
+        if n is None or n <= self.curve.genus - D.degree:
+            return Divisor(self, u, v, n)
         from jacobian.inexact import composition
 
-        return Divisor(self, *composition.negated(self.curve, (D.u, v, n)))
+        return Divisor(self, *composition.negated(self.curve, (u, v, n)))
 
     def _add_inexact(self, D: Divisor[Element], E: Divisor[Element]) -> Divisor[Element]:
         if not D or not E:
             return D if D else E
-        if self._opposite_to_the_bit(D, E):
-            # D − D is the identity at any precision
+        if D.u == E.u and (D.u, D.v, D.n) == self._opposite(E):
+            # D + (−D) is the identity at any precision
             return self.zero()
         from jacobian.inexact import composition
 
         return self._out(composition.add(self._model, self._in(D), self._in(E)))
-
-    def _opposite_to_the_bit(self, D: Divisor[Element], E: Divisor[Element]) -> bool:
-        K = self.field
-        if D.u != E.u or D.v != poly.mod(K, poly.neg(K, poly.add(K, E.v, self.curve.h)), E.u):
-            return False
-        return D.n is None or E.n is None or D.n + E.n == 2 * (self.weight_of_zero or 0) - len(D.u) + 1
 
     def multiply(self, m: int, D: Divisor[Element]) -> Divisor[Element]:
         """m·D for any int m, by signed windows (:mod:`jacobian.addition.ladder`), or as one call of compiled code."""

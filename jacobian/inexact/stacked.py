@@ -53,7 +53,9 @@ _AT_INFINITY = (
 
 
 class Total(NamedTuple):
-    """A :class:`jacobian.inexact.composition.Sum`, and the lean of :mod:`jacobian.inexact.at_infinity`."""
+    """A reduced sum (u, v), the function q·y − p(x) that vanishes on both summands and on its opposite, and its lean
+    (:mod:`jacobian.inexact.at_infinity`).
+    """
 
     u: Coefficients
     v: Coefficients
