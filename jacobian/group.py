@@ -24,6 +24,7 @@ from jacobian.errors import (
     written,
 )
 from jacobian.finite.group import FiniteGroup
+from jacobian.inexact.dense import absolute, added, bound, product, remainder
 from jacobian.law.divisor import Divisor, is_zero_int
 
 if TYPE_CHECKING:
@@ -45,8 +46,8 @@ class Jacobian(FiniteGroup[Element]):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
     Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
-    :mod:`jacobian.inexact.composition`. Divisors of a ramified model whose equation has formal degree 2g+2 are added on
-    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
+    :mod:`jacobian.inexact.composition`. On a ramified model with deg f = 2g+2 or deg h = g+1, divisors are added in the
+    coordinates of ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
     divisors have no representation (NotRepresentable), but the order of the group can be computed.
     """
 
@@ -269,18 +270,16 @@ class Jacobian(FiniteGroup[Element]):
     def _check_on_curve(self, u: poly.Poly[Element], v: poly.Poly[Element]) -> None:
         K: Any = self.field
         f, h = self.curve.f, self.curve.h
-        remainder = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
-        on_curve = not remainder if K.exact else all(map(K.is_rounding, remainder, self._scales(u, v)))
+        rest = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
+        on_curve = not rest if K.exact else all(map(K.is_rounding, rest, self._scales(u, v)))
         if not on_curve:
             raise NotOnCurve(
                 f"(u, v) = ({poly.text(K, u)}, {poly.text(K, v)}) is not on {self.curve!r}: v² + hv − f leaves the "
-                f"remainder {poly.text(K, remainder)} modulo u"
+                f"remainder {poly.text(K, rest)} modulo u"
             )
 
     def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
-        """The sizes of the terms of v² + hv − f modulo u, from a division of absolute values, where nothing cancels."""
-        from jacobian.inexact.dense import absolute, added, bound, product, remainder
-
+        """Bounds for the terms that add up to the coefficients of v² + hv − f modulo u."""
         a = absolute(v)
         terms = added(absolute(self.curve.f), product(a, added(a, absolute(self.curve.h))))
         return tuple(remainder(terms, bound(u)))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from math import gcd, isqrt, lcm
+from math import gcd, lcm
 
 from jacobian.poly import Poly
 
@@ -22,6 +22,8 @@ def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
     """The x = a/b with |a|, b ≤ ``bound`` for which b^degree·F(a/b) is a square, sorted by b, then by a. The even
     ``degree`` is at least deg F.
     """
+    from gmpy2 import is_square
+
     square = lcm(*(c.denominator for c in F)) ** 2
     form = [int(c * square) for c in F] + [0] * (degree + 1 - len(F))
     sieves = [_rows(form, p, bound) for p in PRIMES]
@@ -35,7 +37,7 @@ def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
             last = passing & -passing
             passing ^= last
             a = last.bit_length() - 1 - bound
-            if gcd(a, b) == 1 and _is_square(sum(c * a**i * powers[i] for i, c in enumerate(form))):
+            if gcd(a, b) == 1 and is_square(sum(c * a**i * powers[i] for i, c in enumerate(form))):
                 yield Fraction(a, b)
 
 
@@ -59,7 +61,3 @@ def _repeated(pattern: list[bool], bound: int) -> int:
     once = sum(1 << i for i, bit in enumerate(pattern) if bit)
     every = ((1 << size * count) - 1) // ((1 << size) - 1)
     return once * every & ((1 << 2 * bound + 1) - 1)
-
-
-def _is_square(n: int) -> bool:
-    return n >= 0 and isqrt(n) ** 2 == n

@@ -31,9 +31,6 @@ class RealField(InexactField[float]):
     def __hash__(self) -> int:
         return hash("RR")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return RealField, ()
-
     def coerce(self, value: object, argument: str = "value") -> float:
         """The nearest float of a real number, as in :meth:`Field.coerce`; FieldError for anything else."""
         return value if type(value) is float and math.isfinite(value) else super().coerce(value, argument)
@@ -85,9 +82,6 @@ class ComplexField(InexactField[complex]):
 
     def __hash__(self) -> int:
         return hash("CC")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return ComplexField, ()
 
     def _convert(self, value: Any, argument: str) -> complex:
         return complex(number(value, argument))

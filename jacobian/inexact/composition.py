@@ -133,6 +133,7 @@ class Units(NamedTuple):
 def units_of(field: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair]) -> Units:
     """The units in which the points of all pairs are at |x| ≤ 1 and f at |x| = 1 is of size 1."""
     sizes = [[field.exponent(c) if c else None for c in u] for u, _ in pairs]
+    # if |u_i| is about 2^e for a u of degree m, its largest root is about 2^(e/(m − i)) for one of the i
     largest = [-((-e) // (len(u) - 1 - i)) for u in sizes for i, e in enumerate(u[:-1]) if e is not None]
     of_f = [(i, field.exponent(c)) for i, c in enumerate(f) if c]
     if not largest:
