@@ -345,7 +345,7 @@ class Jacobian(FiniteGroup[Element]):
         return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
 
     def _remainder(self, m: int, D: Divisor[Element]) -> int:
-        """m > 0 itself, or its remainder modulo the order of D or of the group if m is long and the order is cheap."""
+        """m > 0; if m is long, its remainder modulo the order of D over QQ, and of the group if this is small."""
         q, bits = self.field.order, m.bit_length()
         if q is None and bits > LONG_OVER_Q:
             order = D.order()

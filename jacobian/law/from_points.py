@@ -89,8 +89,8 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
     semireduced, cancelled = _cancel_opposites(descent.curve if descent else C, affine)
     n = None
     if C.model == "split":
-        # for r points the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); dividing r·∞₋ evenly
-        # between ∞₊ and ∞₋ subtracts r/2
+        # ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); n is lower by r/2 if (r/2)(∞₊ + ∞₋) is
+        # subtracted instead of r·∞₋
         at_plus = sum(1 for point in points if not isinstance(point, AffinePoint) and point.sign == 1)
         n = at_plus + cancelled + (C.genus - len(points) + 1) // 2
     return _exact_sum(J, semireduced, n, descent) if C.field.exact else _inexact_sum(J, semireduced, n)
