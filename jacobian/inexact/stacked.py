@@ -53,8 +53,8 @@ _AT_INFINITY = (
 
 
 class Total(NamedTuple):
-    """A reduced sum (u, v), the function q·y − p(x) that vanishes on both summands and on its opposite, and its lean
-    (:mod:`jacobian.inexact.at_infinity`).
+    """A sum (u, v), the function q·y − p(x) that vanishes on both summands and on the opposite of their sum, and the
+    lean of the sum (:mod:`jacobian.inexact.at_infinity`).
     """
 
     u: Coefficients
