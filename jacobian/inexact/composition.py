@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.errors import NotRepresentable, PrecisionLoss, shown
 from jacobian.inexact import at_infinity, stacked
 from jacobian.inexact.at_infinity import Infinity, lean_of, weight_of
 from jacobian.inexact.dense import Coefficients, Number, added, index_of_largest, product, remainder
@@ -43,11 +43,11 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
     for u, _, n in (first, second):
         if n is not None and lean_of(curve.genus, len(u) - 1, n):
             raise NotRepresentable(
-                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, "
+                f"a summand of {len(u) - 1} points with the weight n = {shown(n)} at ∞₊ has a point at infinity, "
                 "which inexact split models of even genus do not carry; use an exact field"
             )
     pairs = [(list(u), list(v)) for u, v, _ in (first, second)]
-    total = compose(curve.field, curve.genus, curve.f, pairs[0], pairs[1], curve.h)
+    total = compose(curve.field, curve.genus, curve.f, *pairs, curve.h)
     n = None if first[2] is None else weight_of(curve.genus, len(total.u) - 1, 0)
     return tuple(total.u), tuple(total.v), n
 
