@@ -47,7 +47,7 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
                 "which inexact split models of even genus do not carry; use an exact field"
             )
     pairs = [(list(u), list(v)) for u, v, _ in (first, second)]
-    total = compose(curve.field, curve.genus, curve.f, *pairs, curve.h)
+    total = compose(curve.field, curve.genus, curve.f, pairs[0], pairs[1], curve.h)
     n = None if first[2] is None else weight_of(curve.genus, len(total.u) - 1, 0)
     return tuple(total.u), tuple(total.v), n
 
