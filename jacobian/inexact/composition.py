@@ -12,6 +12,7 @@ PrecisionLoss is raised where the last bits leave the sum undetermined.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -98,12 +99,10 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     the generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ takes the same value at both points.
     """
     units = units_of(field, f, h, (first, second))
-    try:
+    with suppress(PrecisionLoss, ZeroDivisionError, OverflowError):
         total = _quick(field, genus, f, h, (first, second), units)
-    except (PrecisionLoss, ZeroDivisionError, OverflowError):
-        total = None
-    if total:
-        return total
+        if total:
+            return total
     total, _ = _careful(field, lambda K, f, pairs: stacked.compose(K, genus, f, *pairs), f, h, (first, second), units)
     return total
 
