@@ -1,10 +1,11 @@
 """Reduction at infinity on split models, for inexact sums.
 
 A pair (u, v) with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition
-adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class in
-general position has g points and lean ∓1, and two such classes give g + 1 points with lean ∓2. Let P be the polynomial
-part of √f at infinity. The reduction step with y ∓ P maps these to g points with lean ∓1 (Galbraith, Harrison and
-Mireles Morales 2008).
+adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class D in
+general position has g points and the lean −1. The sum of two such classes is reduced to g + 1 points with the lean −2;
+−D is represented by g points with the lean 1. Let P be the polynomial part of √f at ∞₊. A reduction step with y + P
+maps the former, and one with y − P the latter, to g points with the lean −1 (Galbraith, Harrison and Mireles Morales
+2008).
 """
 
 from __future__ import annotations
