@@ -29,9 +29,7 @@ class InexactField(OperatorField[Element]):
         except FieldError:
             raise
         except OverflowError:
-            raise FieldError(
-                f"{argument} = {shown(value)} is not finite in {self.name}: it is beyond 1.8e308"
-            ) from None
+            raise FieldError(f"{argument} = {shown(value)} is beyond the range of {self.name}") from None
         except Exception:
             kind = "a number" if self.complex else "a real number"
             raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: give {kind}") from None
