@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -76,22 +77,14 @@ def _operations(smoke: bool) -> list[dict[str, object]]:
     rng = np.random.default_rng(3)
     x, y = rng.uniform(1, 2, (2, size))
     pairs = double_double.pack(x), double_double.pack(y)
+    cases = (
+        ("x·y + z", "float64", LOOPS.products_of_floats, (x, y)),
+        ("x·y + z", "double-double", LOOPS.products, pairs),
+        ("x/y + z", "double-double", LOOPS.quotients, pairs),
+    )
     return [
-        {
-            "what": "x·y + z",
-            "number": "float64",
-            "us": _least(lambda: LOOPS.products_of_floats(x, y, rounds), size * rounds, smoke),
-        },
-        {
-            "what": "x·y + z",
-            "number": "double-double",
-            "us": _least(lambda: LOOPS.products(*pairs, rounds), size * rounds, smoke),
-        },
-        {
-            "what": "x/y + z",
-            "number": "double-double",
-            "us": _least(lambda: LOOPS.quotients(*pairs, rounds), size * rounds, smoke),
-        },
+        {"what": what, "number": number, "us": _least(partial(loop, *given, rounds), size * rounds, smoke)}
+        for what, number, loop, given in cases
     ]
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
+from importlib.util import find_spec
 from random import Random
 from statistics import median
 from typing import Any
@@ -39,7 +40,7 @@ def _row(stars: list[tuple[float, ...]], length: float) -> dict[str, object]:
     row: dict[str, object] = {"T": length, "orbits": len(stars)}
     # up to T = 10⁶ an integration takes galpy minutes
     for name, method in (("flow", _by_flow), ("galpy dop853", _by_galpy)):
-        usable = name == "flow" or (_has_galpy() and length <= 1000)
+        usable = name == "flow" or (find_spec("galpy") is not None and length <= 1000)
         row[f"{name}, ms"], row[f"{name}, error"] = _measured(method, stars, times) if usable else ("–", "–")
     return row
 
@@ -69,23 +70,13 @@ def _by_flow(star: tuple[float, ...], times: np.ndarray) -> np.ndarray:
     return found
 
 
-def _has_galpy() -> bool:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            import galpy.orbit  # noqa: F401
-    except ImportError:
-        return False
-    return True
-
-
 def _by_galpy(star: tuple[float, ...], times: np.ndarray) -> np.ndarray:
-    from galpy.orbit import Orbit
-    from galpy.potential import KuzminKutuzovStaeckelPotential
-
     a, c = AXES
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
+        from galpy.orbit import Orbit
+        from galpy.potential import KuzminKutuzovStaeckelPotential
+
         potential = KuzminKutuzovStaeckelPotential(amp=1.0, ac=a / c, Delta=(a * a - c * c) ** 0.5)
         orbit = Orbit(list(star))
         orbit.integrate(times, potential, method="dop853")

@@ -30,13 +30,12 @@ def run(smoke: bool) -> list[dict[str, object]]:
     return [_row(make, genus, 1 if smoke else 20) for make in (_neumann, _toda) for genus in genera]
 
 
-def _neumann(genus: int, K: Any = None) -> Any:
-    a = range(1, genus + 2)
-    return Neumann(a) if K is None else Neumann(a, K)
+def _neumann(genus: int, *field: Any) -> Any:
+    return Neumann(range(1, genus + 2), *field)
 
 
-def _toda(genus: int, K: Any = None) -> Any:
-    return TodaLattice(genus + 1) if K is None else TodaLattice(genus + 1, K)
+def _toda(genus: int, *field: Any) -> Any:
+    return TodaLattice(genus + 1, *field)
 
 
 def _row(make: Callable[..., Any], genus: int, repeats: int) -> dict[str, object]:

@@ -141,17 +141,9 @@ def _peers(digits: int, T: int, patience: float) -> list[dict[str, object]]:
 
 def _enclosures(smoke: bool) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
-    for digits, place, at in (
-        ((20, 2, True),)
-        if smoke
-        else (
-            (30, 10, True),
-            (50, 10, True),
-            (50, 10, False),
-            (50, 1000, False),
-            (200, 10, False),
-        )
-    ):
+    # digits, time, and whether it is t and not τ
+    cases = (30, 10, True), (50, 10, True), (50, 10, False), (50, 1000, False), (200, 10, False)
+    for digits, place, at in ((20, 2, True),) if smoke else cases:
         body, state = load_scene("chaplygin").start(digits)
         flow = body.flow(state)
         start = process_time()

@@ -245,12 +245,6 @@ def _double_double(retract: bool) -> Way:
     return way
 
 
-def _interpreted(f: Any, point: Any, step: Any, count: int) -> Any:
-    for _ in range(count):
-        point = genus2_real.add(f, point, step)[0]
-    return point
-
-
 WAYS: dict[str, tuple[Way, int, str]] = {
     "stacked": (_iterated(lambda *given: LOOPS.stacked(*given), float), 10**8, "(U, V), both congruences, compiled"),
     "retracted": (
@@ -266,8 +260,8 @@ WAYS: dict[str, tuple[Way, int, str]] = {
     ),
     "pairs alone": (_without_curve, 10**6, "pairs (Γ, n) alone, without the curve"),
     "random access": (_random_access, 10**8, "random access from a table of [2^k]D′"),
-    "interpreted": (_iterated(_interpreted, float), 10**5, "(U, V), both congruences, interpreted"),
-    "single precision": (_iterated(_interpreted, np.float32), 10**4, "(U, V), single precision"),
+    "interpreted": (_iterated(_stacked, float), 10**5, "(U, V), both congruences, interpreted"),
+    "single precision": (_iterated(_stacked, np.float32), 10**4, "(U, V), single precision"),
     "double-double": (_double_double(False), 10**6, "(U, V), double-double"),
     "double-double, retracted": (_double_double(True), 10**6, "double-double, put back every 16"),
 }

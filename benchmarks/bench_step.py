@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 
 from benchmarks.curves import least_seconds
 from integrable import ChaplyginBall, EulerTop
@@ -48,27 +49,15 @@ def _interpreted(name: str, system: ChaplyginBall | EulerTop, calls: int) -> lis
     setup = system.flow(state).setup
     f, start = setup.floats.f, setup.floats.start[:4]
     step = tuple(map(float, setup.translations.near(setup.problem.half_step)))[:4]
-    rows = [
-        _row(
-            name,
-            "genus2_real.add, interpreted",
-            1e6 * seconds(lambda: genus2_real.add(f, start, step), 10 * calls),
-            "µs",
-        )
-    ]
     move = system.translation(CONJUGATE)
-    rows.append(_row(name, "translation([0.1j, -0.1j])(state)", 1e6 * seconds(lambda: move(state), calls), "µs"))
+    actions: dict[str, tuple[Callable[[], object], int]] = {
+        "genus2_real.add, interpreted": (lambda: genus2_real.add(f, start, step), 10 * calls),
+        "translation([0.1j, -0.1j])(state)": (lambda: move(state), calls),
+    }
     for label, other in (("RR", system), ("MP(50)", type(system)(**_arguments(system), field=MP(50)))):
-        here = other.state(GAMMA, MOMENTUM)
-        D = other.divisor(here)
-        E = 2 * D
-        group = D.jacobian
-        rows.append(
-            _row(
-                name, f"D + E over {label}", 1e6 * seconds(lambda g=group, D=D, E=E: g.add(D, E), calls // 5 + 1), "µs"
-            )
-        )  # type: ignore[misc]
-    return rows
+        D = other.divisor(other.state(GAMMA, MOMENTUM))
+        actions[f"D + E over {label}"] = partial(D.jacobian.add, D, 2 * D), calls // 5 + 1
+    return [_row(name, what, 1e6 * seconds(action, count), "µs") for what, (action, count) in actions.items()]
 
 
 def _arguments(system: ChaplyginBall | EulerTop) -> dict[str, object]:

@@ -23,16 +23,9 @@ def c_library(source: str, target: Path, *flags: str) -> ctypes.CDLL | None:
     if compiler is None:
         return None
     if not target.exists():
-        command = [
-            compiler,
-            "-O3",
-            "-march=native",
-            "-shared",
-            "-fPIC",
-            *flags,
-            str(Path(__file__).parent / "c" / source),
-        ]
-        subprocess.run([*command, "-o", str(target), "-lm"], check=True)
+        path = Path(__file__).parent / "c" / source
+        options = ("-O3", "-march=native", "-shared", "-fPIC", *flags)
+        subprocess.run([compiler, *options, str(path), "-o", str(target), "-lm"], check=True)
     return ctypes.CDLL(str(target))
 
 

@@ -36,31 +36,6 @@ if TYPE_CHECKING:
     from jacobian.group import Jacobian
     from jacobian.law.divisor import Divisor
 
-_HOME = {
-    "AffinePoint": "jacobian.curve.points",
-    "ArgumentError": "jacobian.errors",
-    "CC": "jacobian.fields",
-    "CurveMismatch": "jacobian.errors",
-    "Divisor": "jacobian.law.divisor",
-    "Field": "jacobian.fields.protocol",
-    "FieldError": "jacobian.errors",
-    "GF": "jacobian.fields",
-    "HyperellipticCurve": "jacobian.curve.curve",
-    "Infeasible": "jacobian.errors",
-    "Jacobian": "jacobian.group",
-    "JacobianError": "jacobian.errors",
-    "MP": "jacobian.fields",
-    "NotAMultiple": "jacobian.errors",
-    "NotASquare": "jacobian.errors",
-    "NotOnCurve": "jacobian.errors",
-    "NotRepresentable": "jacobian.errors",
-    "PointAtInfinity": "jacobian.curve.points",
-    "PrecisionLoss": "jacobian.errors",
-    "QQ": "jacobian.fields",
-    "RR": "jacobian.fields",
-    "SingularCurve": "jacobian.errors",
-}
-
 __all__ = [
     "CC",
     "GF",
@@ -86,6 +61,16 @@ __all__ = [
     "SingularCurve",
 ]
 
+_HOME = {
+    **dict.fromkeys(__all__, "jacobian.errors"),
+    **dict.fromkeys(("CC", "GF", "MP", "QQ", "RR"), "jacobian.fields"),
+    **dict.fromkeys(("AffinePoint", "PointAtInfinity"), "jacobian.curve.points"),
+    "Divisor": "jacobian.law.divisor",
+    "Field": "jacobian.fields.protocol",
+    "HyperellipticCurve": "jacobian.curve.curve",
+    "Jacobian": "jacobian.group",
+}
+"""The module of each public name: that of the errors, unless another one is given."""
 
 __distribution__ = "jacobian-integrable"
 say()

@@ -27,13 +27,16 @@ from jacobian.relatives import pseudo_sums
 
 BINARY: tuple[Any, ...] = (BinaryTable, BinaryWord, BinaryTwoWords)
 ON_ROWS: tuple[Any, ...] = (Wide32, Wide64, OddTable, TwoWords, *BINARY)
-"""The contexts (constants of the arithmetic of a class of fields) for which the loops on rows are compiled. Sums by
-explicit formulas are compiled for further contexts too.
+"""The contexts for which the loops on arrays of divisors are compiled. A context has the constants of a field's
+arithmetic, and its class is that of all fields with the same compiled code. Sums by explicit formulas are compiled for
+further contexts.
 """
 
 
 def equations(context: Any) -> tuple[Any, ...]:
-    """The classes of :mod:`jacobian.addition.short` that occur over the fields of a context."""
+    """The kinds of equations, classes of :mod:`jacobian.addition.short`, with compiled formulas over the fields of a
+    context.
+    """
     if context in BINARY:
         return BinaryQuintic, BinarySextic
     return (Quintic, Sextic) if context in (OddTable, Double) else (Quintic, Sextic, Septic)

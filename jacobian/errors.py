@@ -116,11 +116,10 @@ def whole(
 
 def flag(value: object, argument: str) -> bool:
     """``value``, if it is True or False (numpy's too), or an ArgumentError that names ``argument``."""
-    if value is True or value is False:
-        return bool(value)
-    if type(value).__module__ == "numpy" and type(value).__name__ in ("bool", "bool_"):
-        return bool(value)
-    raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
+    of_numpy = type(value).__module__ == "numpy" and type(value).__name__ in ("bool", "bool_")
+    if not isinstance(value, bool) and not of_numpy:
+        raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
+    return bool(value)
 
 
 def names_a_file(path: object) -> bool:

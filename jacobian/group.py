@@ -24,6 +24,7 @@ from jacobian.errors import (
     written,
 )
 from jacobian.finite.group import FiniteGroup
+from jacobian.inexact.dense import absolute, added, bound, product, remainder
 from jacobian.law.divisor import Divisor, is_zero_int
 
 if TYPE_CHECKING:
@@ -45,8 +46,8 @@ class Jacobian(FiniteGroup[Element]):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
     Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
-    :mod:`jacobian.inexact.composition`. Divisors of a ramified model whose equation has formal degree 2g+2 are added on
-    its ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
+    :mod:`jacobian.inexact.composition`. On a ramified model with deg f = 2g+2 or deg h = g+1, divisors are added in the
+    coordinates of ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
     divisors have no representation (NotRepresentable), but the order of the group can be computed.
     """
 
@@ -269,18 +270,16 @@ class Jacobian(FiniteGroup[Element]):
     def _check_on_curve(self, u: poly.Poly[Element], v: poly.Poly[Element]) -> None:
         K: Any = self.field
         f, h = self.curve.f, self.curve.h
-        remainder = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
-        on_curve = not remainder if K.exact else all(map(K.is_rounding, remainder, self._scales(u, v)))
+        rest = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
+        on_curve = not rest if K.exact else all(map(K.is_rounding, rest, self._scales(u, v)))
         if not on_curve:
             raise NotOnCurve(
                 f"(u, v) = ({poly.text(K, u)}, {poly.text(K, v)}) is not on {self.curve!r}: v² + hv − f leaves the "
-                f"remainder {poly.text(K, remainder)} modulo u"
+                f"remainder {poly.text(K, rest)} modulo u"
             )
 
     def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
-        """The sizes of the terms of v² + hv − f modulo u, from a division of absolute values, where nothing cancels."""
-        from jacobian.inexact.dense import absolute, added, bound, product, remainder
-
+        """Bounds for the terms that add up to the coefficients of v² + hv − f modulo u."""
         a = absolute(v)
         terms = added(absolute(self.curve.f), product(a, added(a, absolute(self.curve.h))))
         return tuple(remainder(terms, bound(u)))
@@ -307,33 +306,31 @@ class Jacobian(FiniteGroup[Element]):
             return self._negate_inexact(D)
         return self._out(cantor.negate(self._model, self._in(D)))
 
-    def _negate_inexact(self, D: Divisor[Element]) -> Divisor[Element]:
-        K, size = self.field, len(D.u) - 1
+    def _opposite(self, D: Divisor[Element]) -> cantor.Triple:
+        """(u, −v − h mod u, n') in the class −D over an inexact field. On a split model of odd genus n' may be
+        g − deg u + 1; then the triple is not reduced.
+        """
+        K = self.field
         v = poly.mod(K, poly.neg(K, poly.add(K, D.v, self.curve.h)), D.u)
-        if D.n is None or self.weight_of_zero is None:
-            return Divisor(self, D.u, v, None)
-        n = 2 * self.weight_of_zero - size - D.n
-        if n <= self.curve.genus - size:
-            return Divisor(self, D.u, v, n)
+        return D.u, v, None if D.n is None else 2 * (self.weight_of_zero or 0) - D.degree - D.n
+
+    def _negate_inexact(self, D: Divisor[Element]) -> Divisor[Element]:
+        u, v, n = self._opposite(D)
+        if n is None or n <= self.curve.genus - D.degree:
+            return Divisor(self, u, v, n)
         from jacobian.inexact import composition
 
-        return Divisor(self, *composition.negated(self.curve, (D.u, v, n)))
+        return Divisor(self, *composition.negated(self.curve, (u, v, n)))
 
     def _add_inexact(self, D: Divisor[Element], E: Divisor[Element]) -> Divisor[Element]:
         if not D or not E:
             return D if D else E
-        if self._opposite_to_the_bit(D, E):
-            # D − D is the identity at any precision
+        if D.u == E.u and (D.u, D.v, D.n) == self._opposite(E):
+            # D + (−D) is the identity at any precision
             return self.zero()
         from jacobian.inexact import composition
 
         return self._out(composition.add(self._model, self._in(D), self._in(E)))
-
-    def _opposite_to_the_bit(self, D: Divisor[Element], E: Divisor[Element]) -> bool:
-        K = self.field
-        if D.u != E.u or D.v != poly.mod(K, poly.neg(K, poly.add(K, E.v, self.curve.h)), E.u):
-            return False
-        return D.n is None or E.n is None or D.n + E.n == 2 * (self.weight_of_zero or 0) - len(D.u) + 1
 
     def multiply(self, m: int, D: Divisor[Element]) -> Divisor[Element]:
         """m·D for any int m, by signed windows (:mod:`jacobian.addition.ladder`), or as one call of compiled code."""
@@ -348,7 +345,7 @@ class Jacobian(FiniteGroup[Element]):
         return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
 
     def _remainder(self, m: int, D: Divisor[Element]) -> int:
-        """m > 0 itself, or its remainder modulo the order of D or of the group if m is long and the order is cheap."""
+        """m > 0; if m is long, its remainder modulo the order of D over QQ, and of the group if this is small."""
         q, bits = self.field.order, m.bit_length()
         if q is None and bits > LONG_OVER_Q:
             order = D.order()

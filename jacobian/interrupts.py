@@ -25,8 +25,8 @@ __all__ = ["leave", "shielded", "stand"]
 
 CODE = 130
 SAYING, MOMENT = 0.1, 0.7
-"""The seconds allowed for printing the line, and for the main thread's clean-up. Even ``integrable sweep`` ends within
-a second.
+"""The seconds allowed for printing the line, and for the main thread's clean-up, so that every command ends within a
+second.
 """
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 
 def echelon(K: Any, rows: Sequence[Sequence[Any]], unknowns: int) -> list[tuple[int, list[Any]]]:
-    """The rows of the reduced system, each as (column of its pivot, row with 1 in this column). Only the first
-    ``unknowns`` columns have pivots.
+    """The reduced echelon form: (column of the pivot, row with 1 in this column and 0 in the other pivots' columns) for
+    each of its rows, in no particular order. Only the first ``unknowns`` columns have pivots.
     """
     pivots: list[tuple[int, list[Any]]] = []
     for given in rows:
@@ -28,11 +28,9 @@ def _without(K: Any, row: list[Any], pivot: list[Any], column: int) -> list[Any]
 
 
 def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
-    """The unique solution of a system with at least as many equations as unknowns; None if there is no solution or more
-    than one.
-    """
+    """The solution x of rows·x = right, at least as many equations as unknowns; None unless there is exactly one."""
     unknowns = len(rows[0])
-    # a pivot in the last column, that of the right side, means an equation 0 = 1
+    # a row with its pivot in the last column is an equation 0 = 1
     pivots = sorted(echelon(K, [[*row, x] for row, x in zip(rows, right, strict=True)], unknowns + 1))
     return [row[-1] for _, row in pivots] if [k for k, _ in pivots] == list(range(unknowns)) else None
 

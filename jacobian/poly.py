@@ -176,11 +176,7 @@ def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tup
     if r1:
         # a and b are coprime: the last division, by a constant, would give the remainder 0
         return (K.one,), scale(K, K.inv(r1[0]), s1)
-    lead = r0[-1]
-    if lead == K.one:
-        return r0, s0
-    inverse = K.inv(lead)
-    return (*[K.mul(inverse, x) for x in r0[:-1]], K.one), scale(K, inverse, s0)
+    return monic(K, r0), scale(K, K.inv(r0[-1]), s0)
 
 
 def xgcd(

@@ -45,15 +45,12 @@ _PLAIN = {
 def write_anything() -> None:
     """Lets this process print every text, whatever the encoding of its output; a command calls it first."""
     codecs.register_error("jacobian.plain", _plain)
+    stream: Any
     for stream in (sys.stdout, sys.stderr):
         # an error handler that the user chose (PYTHONIOENCODING=ascii:replace) is kept
-        if getattr(stream, "errors", None) in ("strict", "surrogateescape", "backslashreplace"):
-            _reconfigure(stream)
-
-
-def _reconfigure(stream: Any) -> None:
-    if hasattr(stream, "reconfigure"):
-        stream.reconfigure(errors="jacobian.plain")
+        own = getattr(stream, "errors", None) in ("strict", "surrogateescape", "backslashreplace")
+        if own and hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="jacobian.plain")
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:

@@ -36,7 +36,11 @@ def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
 
 
 def term_of_y(K: Field, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
-    """The term hy as text, after y²: y² − 2x·y, y² + (x + 1)·y. Brackets enclose an h with inner + − / j."""
+    """The text of "+ h(x)y" in an equation that begins with y²; ``written`` is the text of h.
+
+    A single term without inner + − / j is followed by ``times`` and y; any other h is put into the format
+    ``bracketed``.
+    """
     if not h:
         return ""
     if h == (K.one,):

@@ -36,9 +36,6 @@ class CurveQuestions(Immutable, Generic[Element]):
     model: str
     infinity_plus: Any
 
-    def _with(self, K: Field, f: poly.Poly[Element], h: poly.Poly[Element], infinity_plus: Any = None) -> Self:
-        return type(self)(K, f, h, infinity_plus)  # type: ignore[call-arg]
-
     def jacobian(self) -> Jacobian[Element]:
         """The Jacobian of this curve, always the same object (:class:`jacobian.group.Jacobian`)."""
         raise NotImplementedError
@@ -105,8 +102,10 @@ class CurveQuestions(Immutable, Generic[Element]):
         if (K.is_zero(by) and not even) or (K.exact and self._twists_nothing(by)):
             raise ArgumentError(f"d = {shown(by)}: the twist by it is the curve itself, or none; give a non-square")
         if even:
-            return self._with(K, poly.add(K, self.f, poly.scale(K, by, poly.mul(K, self.h, self.h))), self.h)
-        return self._with(K, poly.trim(K, poly.scale(K, by, self.discriminant)), ())
+            f, h = poly.add(K, self.f, poly.scale(K, by, poly.mul(K, self.h, self.h))), self.h
+        else:
+            f, h = poly.scale(K, by, self.discriminant), ()
+        return type(self)(K, f, h)  # type: ignore[call-arg]
 
     def _twists_nothing(self, d: Element) -> bool:
         K: Any = self.field

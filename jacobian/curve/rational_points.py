@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from math import gcd, isqrt, lcm
+from math import gcd, lcm
 
 from jacobian.poly import Poly
 
@@ -19,10 +19,11 @@ PRIMES = (3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61)
 
 
 def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
-    """The x with numerator and denominator up to ``bound`` at which F, of the even formal ``degree``, is a square.
-
-    They are sorted by denominator, then by x.
+    """The x = a/b with |a|, b ≤ ``bound`` for which b^degree·F(a/b) is a square, sorted by b, then by a. The even
+    ``degree`` is at least deg F.
     """
+    from gmpy2 import is_square
+
     square = lcm(*(c.denominator for c in F)) ** 2
     form = [int(c * square) for c in F] + [0] * (degree + 1 - len(F))
     sieves = [_rows(form, p, bound) for p in PRIMES]
@@ -36,17 +37,17 @@ def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
             last = passing & -passing
             passing ^= last
             a = last.bit_length() - 1 - bound
-            if gcd(a, b) == 1 and _is_square(sum(c * a**i * powers[i] for i, c in enumerate(form))):
+            if gcd(a, b) == 1 and is_square(sum(c * a**i * powers[i] for i, c in enumerate(form))):
                 yield Fraction(a, b)
 
 
 def _rows(form: list[int], p: int, bound: int) -> list[int]:
-    """For each residue of b, an int whose bits are the a in −bound … bound at which the form of even degree is a square
-    modulo p.
+    """For b = 0, …, p − 1 an int whose bits are the a in −bound … bound for which Σ c_i a^i b^(degree − i) is a square
+    modulo p; ``form`` has the c_i.
     """
     squares = {x * x % p for x in range(p)}
     values = [sum(c * pow(x, i, p) for i, c in enumerate(form)) % p in squares for x in range(p)]
-    # if p divides b, the form is its leading coefficient times an even power of a
+    # for b = 0 the sum is its last coefficient times an even power of a
     rows = [_repeated([form[-1] % p in squares] * p, bound)]
     for b in range(1, p):
         inverse = pow(b, -1, p)
@@ -55,12 +56,8 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
 
 
 def _repeated(pattern: list[bool], bound: int) -> int:
-    """The bits of a pattern, repeated to a length of 2·bound + 1."""
+    """An int of 2·bound + 1 bits, the pattern repeated."""
     size, count = len(pattern), 2 * bound // len(pattern) + 1
     once = sum(1 << i for i, bit in enumerate(pattern) if bit)
     every = ((1 << size * count) - 1) // ((1 << size) - 1)
     return once * every & ((1 << 2 * bound + 1) - 1)
-
-
-def _is_square(n: int) -> bool:
-    return n >= 0 and isqrt(n) ** 2 == n

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
+from jacobian import poly
 from jacobian.element import Coefficients
 from jacobian.errors import ArgumentError, flag, shown, whole
 from jacobian.fields.machine import ComplexField, RealField
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 QQ = RationalField()
 RR = RealField()
 CC = ComplexField()
-
-_conway: dict[tuple[int, int], tuple[int, ...]] = {}
 
 
 def GF(p: SupportsIndex | type, k: int = 1, modulus: Coefficients | None = None) -> FiniteField:
@@ -42,26 +41,21 @@ def GF(p: SupportsIndex | type, k: int = 1, modulus: Coefficients | None = None)
 
 
 def _extension(base: PrimeField, k: int, modulus: Any) -> FiniteField:
-    from jacobian.fields import extension
-    from jacobian.fields.irreducible import default_modulus
-
-    if modulus is None:
-        if (base.p, k) not in _conway:
-            _conway[base.p, k] = default_modulus(base, k)
-        modulus = _conway[base.p, k]
-    modulus = extension.coerce_modulus(base, k, modulus)
-    return extension.extension_fields.get((base.p, modulus)) or _build(base, extension.check_irreducible(base, modulus))
-
-
-def _build(base: PrimeField, modulus: tuple[int, ...]) -> FiniteField:
     from jacobian.fields.digits import DigitField, QuadraticField
-    from jacobian.fields.extension import extension_field
+    from jacobian.fields.extension import coerce_modulus, extension_field, extension_fields
+    from jacobian.fields.irreducible import default_modulus, is_irreducible
     from jacobian.fields.table import TABLE_LIMIT, TableField
 
-    if base.p ** (len(modulus) - 1) <= TABLE_LIMIT:
-        return extension_field(TableField, base, modulus)
-    kind = QuadraticField if len(modulus) == 3 and base.p > 2 else DigitField
-    return extension_field(kind, base, modulus)
+    modulus = coerce_modulus(base, k, default_modulus(base, k) if modulus is None else modulus)
+    if (base.p, modulus) in extension_fields:
+        return extension_fields[base.p, modulus]
+    if not is_irreducible(base, modulus):
+        formula = poly.text(base, modulus, "a")
+        raise ArgumentError(f"modulus = {formula} is reducible over {base.name}: give an irreducible polynomial")
+    small = base.p**k <= TABLE_LIMIT
+    return extension_field(
+        TableField if small else QuadraticField if k == 2 and base.p > 2 else DigitField, base, modulus
+    )
 
 
 def _from_galois(field: Any) -> FiniteField:
@@ -80,9 +74,10 @@ def MP(dps: int, complex: bool = False) -> MultiprecisionField:
     The field has ``.dps``, ``.context`` and ``.eps``; its elements are mpf (or mpc). The same arguments give the same
     object.
     """
-    from jacobian.fields.multiprecision import check_digits, multiprecision_field
+    from jacobian.fields.multiprecision import MOST_DIGITS, multiprecision_field
 
-    return multiprecision_field(check_digits(dps), flag(complex, "complex"))
+    dps = whole(dps, "dps", f"the number of decimal digits is an int from 1 to {MOST_DIGITS}", 1, MOST_DIGITS)
+    return multiprecision_field(dps, flag(complex, "complex"))
 
 
 __all__ = ["CC", "GF", "MP", "QQ", "RR", "Field"]

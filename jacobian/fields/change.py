@@ -24,18 +24,20 @@ class Embedding:
         self.small, self.large = K, L
         self._base = K if K.degree == 1 else K.base
         generator = roots(L, tuple(L.coerce(c) for c in K.modulus))[0] if K.degree > 1 else L.one
+        self._generator = generator
         powers = [L.one]
         for _ in range(K.degree - 1):
             powers.append(L.mul(powers[-1], generator))
-        self._powers = powers
-        self._rows = self._echelon()
+        rows = [[*self._digits(power), *(int(i == j) for j in range(K.degree))] for i, power in enumerate(powers)]
+        # (pivot, row of the reduced echelon form of the powers' coordinates, the row as a combination of the powers)
+        self._rows = [(i, row[: L.degree], row[L.degree :]) for i, row in echelon(self._base, rows, L.degree)]
 
     def __call__(self, x: Any) -> Any:
         """The image in L of an element of K."""
         K, L = self.small, self.large
         if K.degree == 1:
             return x
-        return poly.evaluate(L, tuple(K.coefficients(x)), self._powers[1])
+        return poly.evaluate(L, tuple(K.coefficients(x)), self._generator)
 
     def polynomial(self, a: poly.Poly) -> poly.Poly:
         """The image in L[x] of a polynomial over K."""
@@ -61,13 +63,8 @@ class Embedding:
     def _digits(self, y: Any) -> list[int]:
         return self.large.coefficients(y) if self.large.degree > 1 else [y]
 
-    def _echelon(self) -> list[tuple[int, list[int], list[int]]]:
-        """The reduced echelon form of the coordinates of 1, b, …, b^(k−1), b the image of K's generator: (pivot, row,
-        the row as a combination of these powers).
-        """
-        k, size = len(self._powers), self.large.degree
-        rows = [[*self._digits(power), *(int(i == j) for j in range(k))] for i, power in enumerate(self._powers)]
-        return [(pivot, row[:size], row[size:]) for pivot, row in echelon(self._base, rows, size)]
+
+_embedding = lru_cache(maxsize=64)(Embedding)
 
 
 def embedding(K: Any, L: Any) -> Embedding:
@@ -79,11 +76,6 @@ def embedding(K: Any, L: Any) -> Embedding:
     if L.characteristic != K.characteristic or L.degree % K.degree:
         raise FieldError(f"extension = {L.name} does not contain {K.name}")
     return _embedding(K, L)
-
-
-@lru_cache(maxsize=64)
-def _embedding(K: Any, L: Any) -> Embedding:
-    return Embedding(K, L)
 
 
 def change_of_field(K: Any, L: Any) -> Callable[[Any], Any]:

@@ -32,13 +32,17 @@ def rational(value: Any, argument: str = "value") -> int | Fraction | None:
     if isinstance(value, str):
         return _of_text(value, argument)
     if isinstance(value, Decimal):
-        return _of_decimal(value, argument)
+        if not value.is_finite():
+            return None
+        _check_exponent(int(value.as_tuple().exponent), value, argument)
+        return Fraction(value)
     if getattr(value, "ndim", 0) != 0:
         return None
     if isinstance(value, Rational):
         return Fraction(int(value.numerator), int(value.denominator))
     if _is_pari(value):
-        return _of_pari(value)
+        known = value.type() in ("t_INT", "t_FRAC")
+        return Fraction(int(value.numerator()), int(value.denominator())) if known else None
     if type(value).__name__ == "fmpq":
         return Fraction(int(value.p), int(value.q))
     try:
@@ -50,10 +54,6 @@ def rational(value: Any, argument: str = "value") -> int | Fraction | None:
 
 def _is_pari(value: Any) -> bool:
     return type(value).__name__ == "Gen" and type(value).__module__.startswith("cypari")
-
-
-def _of_pari(value: Any) -> Fraction | None:
-    return Fraction(int(value.numerator()), int(value.denominator())) if value.type() in ("t_INT", "t_FRAC") else None
 
 
 def residue(value: Any) -> tuple[int, int] | None:
@@ -79,13 +79,6 @@ def _of_text(text: str, argument: str) -> Fraction | None:
             raise
         # Python reads ints of 4300 digits at most
         raise FieldError(f"{argument} = {shown(text)}: {error}") from None
-
-
-def _of_decimal(value: Decimal, argument: str) -> Fraction | None:
-    if not value.is_finite():
-        return None
-    _check_exponent(int(value.as_tuple().exponent), value, argument)
-    return Fraction(value)
 
 
 def _check_exponent(exponent: int, value: Any, argument: str) -> None:

@@ -33,7 +33,7 @@ class DigitField(ExtensionField):
     def dot(self, xs: Sequence[int], ys: Sequence[int]) -> int:
         """Σ x_i y_i: the products are summed first and reduced by the modulus once."""
         if self.p == 2:
-            return self._reduce_bits(xs, ys)
+            return self._dot_of_bits(xs, ys)
         k, p = self.degree, self.p
         total = [0] * (2 * k - 1)
         for x, y in zip(xs, ys, strict=True):
@@ -52,7 +52,7 @@ class DigitField(ExtensionField):
                     total[top - k + i] += c * m
         return self._pack([c % p for c in total[:k]])
 
-    def _reduce_bits(self, xs: Sequence[int], ys: Sequence[int]) -> int:
+    def _dot_of_bits(self, xs: Sequence[int], ys: Sequence[int]) -> int:
         total = 0
         for x, y in zip(xs, ys, strict=True):
             total ^= carryless_product(x, y)

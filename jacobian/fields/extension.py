@@ -15,7 +15,6 @@ from jacobian import poly
 from jacobian.errors import ArgumentError, FieldError, shown, written
 from jacobian.fields.coercion import rational
 from jacobian.fields.finite import FiniteField
-from jacobian.fields.irreducible import is_irreducible
 from jacobian.fields.prime import PrimeField
 
 
@@ -103,14 +102,6 @@ def coerce_modulus(base: PrimeField, k: int, modulus: Any) -> tuple[int, ...]:
             f"modulus = {shown(list(m))}: a monic polynomial of degree k = {shown(k)} is needed, ascending"
         )
     return m
-
-
-def check_irreducible(base: PrimeField, modulus: tuple[int, ...]) -> tuple[int, ...]:
-    """``modulus`` itself, or an ArgumentError when it is reducible."""
-    if not is_irreducible(base, modulus):
-        formula = poly.text(base, modulus, "a")
-        raise ArgumentError(f"modulus = {formula} is reducible over {base.name}: give an irreducible polynomial")
-    return modulus
 
 
 extension_fields: dict[tuple[int, tuple[int, ...]], ExtensionField] = {}

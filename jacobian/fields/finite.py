@@ -104,14 +104,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         start = self.power(x, odd // 2)
         root = self.mul(x, start)
         rest = self.mul(root, start)  # x^odd, an element of the 2-Sylow group; root² = x·rest
-        if twos == 1:
-            if rest != self.one:
-                raise NotASquare(f"{written(x)} is not a square in {self.name}")
-            return root
-        return self._finish_tonelli(x, root, rest, twos)
-
-    def _finish_tonelli(self, x: Element, root: Element, rest: Element, twos: int) -> Element:
-        generator = self.sylow_generator
+        generator: Any = None
         while rest != self.one:
             square, height = rest, 0
             while square != self.one:
@@ -119,6 +112,8 @@ class FiniteFieldOf(Immutable, Generic[Element]):
                 height += 1
                 if height == twos:
                     raise NotASquare(f"{written(x)} is not a square in {self.name}")
+            if generator is None:
+                generator = self.sylow_generator
             for _ in range(twos - height - 1):
                 generator = self.mul(generator, generator)
             root = self.mul(root, generator)

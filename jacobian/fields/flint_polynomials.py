@@ -41,16 +41,12 @@ def conversions(K: Any) -> Conversions:
 
 def _extension_conversions(K: Any) -> Conversions:
     field, ring = _extension_ring(K.p, tuple(K.modulus))
-    known: dict[int, Any] = {}
-    small = isinstance(K, TableField)
 
     def element(x: int) -> Any:
-        found = known.get(x)
-        if found is None:
-            found = field(K.coefficients(x))
-            if small:
-                known[x] = found
-        return found
+        return field(K.coefficients(x))
+
+    if isinstance(K, TableField):
+        element = cache(element)
 
     def back(a: Any) -> tuple[int, ...]:
         return tuple([K._pack(list(map(int, c.to_list()))) for c in a.coeffs()])

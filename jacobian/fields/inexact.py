@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from typing import Any
 
 from jacobian.element import Element
-from jacobian.errors import PrecisionLoss, written
+from jacobian.errors import FieldError, PrecisionLoss, shown, written
 from jacobian.fields.protocol import OperatorField
 
 
@@ -19,6 +20,26 @@ class InexactField(OperatorField[Element]):
     """The decimal digits of the numbers; None for RR and CC."""
     complex: bool = False
     """Whether the numbers are complex."""
+    _is_finite: Callable[[Any], bool]
+
+    def coerce(self, value: object, argument: str = "value") -> Element:
+        """The element nearest to a number, as in :meth:`Field.coerce`; FieldError for anything else."""
+        try:
+            x = self._convert(value, argument)
+        except FieldError:
+            raise
+        except OverflowError:
+            raise FieldError(f"{argument} = {shown(value)} is beyond the range of {self.name}") from None
+        except Exception:
+            kind = "a number" if self.complex else "a real number"
+            raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: give {kind}") from None
+        if not self._is_finite(x):
+            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite number")
+        return x
+
+    def _convert(self, value: Any, argument: str) -> Element:
+        """The element nearest to a number, perhaps infinite or NaN; any error for anything else."""
+        raise NotImplementedError
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.

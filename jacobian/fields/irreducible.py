@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
-from itertools import count
 from typing import Any
 
 from jacobian import poly
@@ -34,6 +32,7 @@ def is_irreducible(K: PrimeField, m: poly.Poly) -> bool:
     return power == x
 
 
+@cache
 def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
     """The default modulus: galois's Conway polynomial, or the first irreducible polynomial where its table has none.
 
@@ -69,31 +68,20 @@ def _conway(p: int, k: int) -> tuple[int, ...]:
 
 
 def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
-    """The first irreducible polynomial of :func:`monic_polynomials`; about one polynomial in k is irreducible."""
+    """The irreducible polynomial x^k + Σ c_i x^i, i < k, with the least Σ c_i p^i > 0."""
     from jacobian.progress import Progress
 
-    progress = Progress(f"an irreducible polynomial of degree {k} over {base.name}", k)
-    polynomials = monic_polynomials(base, k)
-    while not is_irreducible(base, found := next(polynomials)):
-        # the expected number of remaining trials does not depend on those already made
-        progress.work += 1
-        progress.add(1)
-    return found
-
-
-def monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
-    """The monic polynomials of degree k, in the order of the numbers whose base-p digits are their coefficients.
-    Those of the form x^k + c are left out where none is irreducible.
-    """
     # x^k + c is irreducible for some c only if each prime factor of k divides p − 1, and 4 too if it divides k (Lidl
     # and Niederreiter 1997, theorem 3.75); otherwise the search would try all p values of c in vain
     hopeful = all((base.p - 1) % q == 0 for q in prime_factors(k)) and (k % 4 != 0 or base.p % 4 == 1)
-    for number in count(1 if hopeful else base.p):
-        digits = []
-        for _ in range(k):
-            number, digit = divmod(number, base.p)
-            digits.append(digit)
-        yield (*digits, 1)
+    number = 1 if hopeful else base.p
+    # about one polynomial in k is irreducible, so k trials are expected, however many were made before
+    progress = Progress(f"an irreducible polynomial of degree {k} over {base.name}", k)
+    while not is_irreducible(base, found := (*(number // base.p**i % base.p for i in range(k)), 1)):
+        number += 1
+        progress.work += 1
+        progress.add(1)
+    return found
 
 
 @cache

@@ -7,9 +7,10 @@ import math
 import sys
 from collections.abc import Sequence
 from operator import mul
+from typing import Any
 
 from jacobian.element import Rng
-from jacobian.errors import FieldError, NotASquare, shown, written
+from jacobian.errors import NotASquare, written
 from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_float
@@ -22,6 +23,7 @@ class RealField(InexactField[float]):
     """The real numbers in double precision; elements are float. The instance is :data:`jacobian.RR`."""
 
     name = "RR"
+    _is_finite = staticmethod(math.isfinite)
     zero = 0.0
     one = 1.0
     eps = sys.float_info.epsilon
@@ -29,30 +31,15 @@ class RealField(InexactField[float]):
     def __hash__(self) -> int:
         return hash("RR")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return RealField, ()
-
     def coerce(self, value: object, argument: str = "value") -> float:
         """The nearest float of a real number, as in :meth:`Field.coerce`; FieldError for anything else."""
-        x = value if type(value) is float else self._rounded(value, argument)
-        if not math.isfinite(x):
-            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite real number")
-        return x
+        return value if type(value) is float and math.isfinite(value) else super().coerce(value, argument)
 
-    def _rounded(self, value: object, argument: str) -> float:
-        try:
-            if type(value) is int:
-                return float(value)
-            x = number(value, argument)
-            if is_complex(x):
-                raise TypeError
-            return float(x)
-        except FieldError:
-            raise
-        except OverflowError:
-            raise FieldError(f"{argument} = {shown(value)} is not finite in RR: it is beyond 1.8e308") from None
-        except Exception:
-            raise FieldError(f"{argument} = {shown(value)} is not an element of RR: give a real number") from None
+    def _convert(self, value: Any, argument: str) -> float:
+        x = value if type(value) is int else number(value, argument)
+        if is_complex(x):
+            raise TypeError
+        return float(x)
 
     def dot(self, xs: Sequence[float], ys: Sequence[float]) -> float:
         """Σ x_i y_i: rounded products, summed exactly and rounded once; an infinity beyond the range of floats."""
@@ -85,6 +72,7 @@ class ComplexField(InexactField[complex]):
     """The complex numbers in double precision; elements are complex. The instance is :data:`jacobian.CC`."""
 
     name = "CC"
+    _is_finite = staticmethod(cmath.isfinite)
     zero = 0j
     one = 1 + 0j
     eps = sys.float_info.epsilon
@@ -95,22 +83,8 @@ class ComplexField(InexactField[complex]):
     def __hash__(self) -> int:
         return hash("CC")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return ComplexField, ()
-
-    def coerce(self, value: object, argument: str = "value") -> complex:
-        """The nearest complex of a number, as in :meth:`Field.coerce`; FieldError for anything else."""
-        try:
-            z = complex(number(value, argument))
-        except FieldError:
-            raise
-        except OverflowError:
-            raise FieldError(f"{argument} = {shown(value)} is not finite in CC: it is beyond 1.8e308") from None
-        except Exception:
-            raise FieldError(f"{argument} = {shown(value)} is not an element of CC: give a number") from None
-        if not cmath.isfinite(z):
-            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite number")
-        return z
+    def _convert(self, value: Any, argument: str) -> complex:
+        return complex(number(value, argument))
 
     def dot(self, xs: Sequence[complex], ys: Sequence[complex]) -> complex:
         """Σ x_i y_i: rounded products, summed exactly and rounded once."""

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jacobian.element import Rng
-from jacobian.errors import FieldError, NotASquare, shown, whole, written
+from jacobian.errors import NotASquare, written
 from jacobian.fields.coercion import is_complex, number, rational
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_below
@@ -37,6 +37,7 @@ class MultiprecisionField(InexactField[Mpf]):
         self.complex = complex
         self.context: Any = MPContext()
         self.context.dps = dps
+        self._is_finite = self.context.isfinite
         self.name = f"MP({dps}, complex=True)" if complex else f"MP({dps})"
         self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
         self._type = self.context.mpc if complex else self.context.mpf
@@ -70,16 +71,7 @@ class MultiprecisionField(InexactField[Mpf]):
             # a number without a mantissa is 0 or not finite
             if parts[1]:
                 return self.context.make_mpf(self._rounded(parts, self.context.prec, "n"))
-        try:
-            x = self._convert(value, argument)
-        except FieldError:
-            raise
-        except Exception:
-            kind = "a number" if self.complex else "a real number"
-            raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: give {kind}") from None
-        if not self.context.isfinite(x):
-            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite number")
-        return x
+        return super().coerce(value, argument)
 
     def _convert(self, value: Any, argument: str) -> Any:
         context = self.context
@@ -173,8 +165,3 @@ def multiprecision_field(dps: int, complex: bool) -> MultiprecisionField:
     """The field of numbers of ``dps`` digits; equal arguments give the same object."""
     key = dps, complex
     return multiprecision_fields.get(key) or multiprecision_fields.setdefault(key, MultiprecisionField(*key))
-
-
-def check_digits(dps: Any) -> int:
-    """dps as an int, or an ArgumentError."""
-    return whole(dps, "dps", f"the number of decimal digits is an int from 1 to {MOST_DIGITS}", 1, MOST_DIGITS)

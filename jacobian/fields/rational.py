@@ -21,14 +21,8 @@ class RationalField(OperatorField[Fraction]):
     zero = Fraction(0)
     one = Fraction(1)
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, RationalField)
-
     def __hash__(self) -> int:
         return hash("QQ")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return RationalField, ()
 
     def coerce(self, value: object, argument: str = "value") -> Fraction:
         """The Fraction of a rational number, as in :meth:`Field.coerce`; FieldError otherwise.

@@ -59,9 +59,6 @@ class TableField(ExtensionField):
         zech = self._zech[self._log[y] - exponent]
         return self._exp[exponent + zech] if zech >= 0 else 0
 
-    def sub(self, x: int, y: int) -> int:
-        return self.add(x, self.neg(y))
-
     def neg(self, x: int) -> int:
         return x if self.p == 2 or not x else self._exp[self._log[x] + self._half]
 

@@ -1,9 +1,11 @@
-"""Steps at infinity of inexact composition on split models: the parts of balanced pairs (u, v) at infinity.
+"""Reduction at infinity on split models, for inexact sums.
 
-A pair with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition adds
-leans, and its reduction steps preserve them except where y − v vanishes at infinity. On models of odd genus no sum of
-classes in general position has the lean 0. Let P be the polynomial part of √f at infinity. A step with y ∓ P maps g + 1
-points with lean ∓2 to g points with lean ∓1 (Galbraith, Harrison and Mireles Morales 2008).
+A pair (u, v) with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition
+adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class D in
+general position has g points and the lean −1. The sum of two such classes is reduced to g + 1 points with the lean −2;
+−D is represented by g points with the lean 1. Let P be the polynomial part of √f at ∞₊. A reduction step with y + P
+maps the former, and one with y − P the latter, to g points with the lean −1 (Galbraith, Harrison and Mireles Morales
+2008).
 """
 
 from __future__ import annotations
@@ -38,9 +40,8 @@ def weight_of(genus: int, degree: int, lean: int) -> int:
 
 
 def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
-    """The reduced pair of the class of ``total``, deg u ≤ g + 1, after steps at infinity.
-
-    The largest remainder of the divisions, relative to their terms, is returned with it.
+    """The reduced pair of the class of ``total``, deg u ≤ g + 1, and the largest remainder of a division on the way,
+    relative to its terms. These remainders would be 0 without rounding.
     """
     u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
     plus = principal_part(genus, f, infinity.plus)

@@ -12,18 +12,17 @@ PrecisionLoss is raised where the last bits leave the sum undetermined.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any, NamedTuple
 
-from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.errors import NotRepresentable, PrecisionLoss, shown
 from jacobian.inexact import at_infinity, stacked
 from jacobian.inexact.at_infinity import Infinity, lean_of, weight_of
 from jacobian.inexact.dense import Coefficients, Number, added, index_of_largest, product, remainder
 from jacobian.inexact.stacked import Pair, Total
 
 Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
-
-__all__ = ["Sum", "add", "compose"]
 
 # the field's own digits are tried if f at the smallest point and its leading coefficient are at least 2^−SPREAD, in
 # units in which |x| ≤ 1 at all points and f is of size 1 at |x| = 1
@@ -34,38 +33,20 @@ REMAINDER = 64
 FACTORS = (4, 12)
 
 
-class Sum(NamedTuple):
-    """A reduced sum (u, v), and the function q·y − p(x) that relates it to the summands."""
-
-    u: Coefficients
-    v: Coefficients
-    p: Coefficients
-    q: Number
-
-
 def add(curve: Any, first: Triple, second: Triple) -> Triple:
     """The reduced sum of two Mumford triples (u, v, n) over an inexact field.
 
     Raises PrecisionLoss where the digits of the summands do not determine it, and NotRepresentable where a summand or
     the sum has a point at infinity on a split model of even genus.
     """
-    if first[2] is None or curve.genus % 2 == 0:
-        _check_balanced(curve, first, second)
-        return _balanced(curve, first, second)
-    return _split(curve, first, second)
-
-
-def _check_balanced(curve: Any, *summands: Triple) -> None:
-    """Raises NotRepresentable for a summand with a point at infinity on a split model of even genus."""
-    for u, _, n in summands:
+    if first[2] is not None and curve.genus % 2:
+        return _split(curve, first, second)
+    for u, _, n in (first, second):
         if n is not None and lean_of(curve.genus, len(u) - 1, n):
             raise NotRepresentable(
-                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, "
+                f"a summand of {len(u) - 1} points with the weight n = {shown(n)} at ∞₊ has a point at infinity, "
                 "which inexact split models of even genus do not carry; use an exact field"
             )
-
-
-def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
     pairs = [(list(u), list(v)) for u, v, _ in (first, second)]
     total = compose(curve.field, curve.genus, curve.f, pairs[0], pairs[1], curve.h)
     n = None if first[2] is None else weight_of(curve.genus, len(total.u) - 1, 0)
@@ -109,7 +90,7 @@ def negated(curve: Any, D: Triple) -> Triple:
     return _split(curve, D)
 
 
-def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Sum:
+def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Total:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² + h(x)y = f(x) of the given arithmetic genus.
 
     The p and q of the result belong to y + h/2 in place of y.
@@ -118,12 +99,10 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     the generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ takes the same value at both points.
     """
     units = units_of(field, f, h, (first, second))
-    try:
+    with suppress(PrecisionLoss, ZeroDivisionError, OverflowError):
         total = _quick(field, genus, f, h, (first, second), units)
-    except (PrecisionLoss, ZeroDivisionError, OverflowError):
-        total = None
-    if total:
-        return total
+        if total:
+            return total
     total, _ = _careful(field, lambda K, f, pairs: stacked.compose(K, genus, f, *pairs), f, h, (first, second), units)
     return total
 
@@ -153,6 +132,7 @@ class Units(NamedTuple):
 def units_of(field: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair]) -> Units:
     """The units in which the points of all pairs are at |x| ≤ 1 and f at |x| = 1 is of size 1."""
     sizes = [[field.exponent(c) if c else None for c in u] for u, _ in pairs]
+    # if |u_i| is about 2^e for a u of degree m, its largest root is about 2^(e/(m − i)) for one of the i
     largest = [-((-e) // (len(u) - 1 - i)) for u in sizes for i, e in enumerate(u[:-1]) if e is not None]
     of_f = [(i, field.exponent(c)) for i, c in enumerate(f) if c]
     if not largest:
@@ -169,7 +149,7 @@ def units_of(field: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequen
 
 def _quick(
     field: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
-) -> Sum | None:
+) -> Total | None:
     """The sum in the field's own digits; None where they may not suffice."""
     move = field.shift
     f = units.of_p(f, move, power=2)
@@ -203,11 +183,11 @@ class Plain:
 
 def _returned(
     u: Coefficients, v: Coefficients, p: Coefficients, q: Number, half: Coefficients, units: Units, move: Any
-) -> Sum:
+) -> Total:
     """A sum converted back from the units, and from y + h/2 to y."""
     if half and len(u) > 1:
         v = added(v, remainder([-c for c in half], u))
-    return Sum(units.of_u(u, move, 1), units.of_p(v, move, 1), units.of_p(p, move, 1), move(q, 0))
+    return Total(units.of_u(u, move, 1), units.of_p(v, move, 1), units.of_p(p, move, 1), move(q, 0))
 
 
 def _even(f: Coefficients, units: Units) -> bool:
@@ -226,7 +206,7 @@ def _centred(u: Coefficients, v: Coefficients, half: Coefficients) -> Pair:
 
 def _careful(
     field: Any, law: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
-) -> tuple[Sum, int]:
+) -> tuple[Total, int]:
     """The sum computed with more digits by ``law`` and rounded to the field, and its lean
     (:mod:`jacobian.inexact.at_infinity`).
     """

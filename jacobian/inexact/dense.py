@@ -108,7 +108,7 @@ def index_of_largest(sizes: Sequence[Number]) -> int:
 
 
 def pivoted_qr(
-    columns: list[Coefficients], largest: Callable[[Sequence[Number]], int] = index_of_largest
+    columns: list[Coefficients], largest: Callable[[Sequence[Number]], int]
 ) -> tuple[list[int], list[Coefficients]]:
     """The order of the columns, and R by columns, of a QR factorisation with pivoting.
 

@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# if p is smaller than U, cancellation has cost digits: the remainder is taken to be at least ε|U|/(FEWER·|p|)
+# a p that is smaller than U has lost digits by cancellation: the returned remainder is at least ε|U|/(FEWER·|p|)
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -53,7 +53,9 @@ _AT_INFINITY = (
 
 
 class Total(NamedTuple):
-    """A :class:`jacobian.inexact.composition.Sum`, and the lean of :mod:`jacobian.inexact.at_infinity`."""
+    """A sum (u, v), the function q·y − p(x) that vanishes on both summands and on the opposite of their sum, and the
+    lean of the sum (:mod:`jacobian.inexact.at_infinity`).
+    """
 
     u: Coefficients
     v: Coefficients
@@ -188,7 +190,8 @@ def _second_polynomial(
     modulus, unit = bound(u), size(f) ** 0.5
 
     def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
-        # if 0 is a root of U'', the remainders do not contain the noise of the first coefficient of ``factor``
+        # if U'' has the root 0, the value of ``factor`` there may be rounding noise: a row that consists of noise must
+        # not be divided by a smaller number
         least = field.eps**0.5 * size(factor)
         weight = size(remainder(noise, modulus)) + unit * (size(remainder(absolute(factor), modulus)) + least) or 1
         for row, c in zip(multiplication(factor, u), remainder(value, u), strict=True):
@@ -199,7 +202,8 @@ def _second_polynomial(
     for slope, v, w in summands:
         noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
         stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
-    # these rows are below the noise of the rows above; if opposite points leave many solutions, they select a small one
+    # these rows are smaller than the noise of the rows above; they select a small solution where opposite points leave
+    # more than one
     small = field.eps / (unit or 1)
     rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
     right.extend([field.zero] * m)
@@ -237,15 +241,18 @@ def _reduction_step(
 def departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
     """The largest coefficient of f − v² mod u, relative to the size of its terms."""
     sizes = absolute(v)
-    return _share(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)
+    return _relative(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)
 
 
 def _mismatch(u: Coefficients, v: Coefficients, p: Coefficients, q: Number, terms: Coefficients) -> Number:
-    """The largest remainder p + q·v mod u, relative to the size of its terms; ``terms`` are those of p."""
-    return _share(remainder(added(p, [q * c for c in v]), u), added(terms, [abs(q * c) for c in v]), u)
+    """The largest coefficient of p + q·v mod u, relative to the size of its terms; ``terms`` are those of p."""
+    return _relative(remainder(added(p, [q * c for c in v]), u), added(terms, [abs(q * c) for c in v]), u)
 
 
-def _share(rest: Coefficients, terms: Coefficients, u: Coefficients) -> Number:
+def _relative(rest: Coefficients, terms: Coefficients, u: Coefficients) -> Number:
+    """The largest |rest_i|/b_i, where b_i ≥ 0 bounds the coefficient of x^i in ``terms`` modulo u. A b_i below 2^−20 of
+    the largest bound is replaced by this fraction.
+    """
     terms = remainder(terms, bound(u))
     least = max(terms, default=0) / 2**20
     return max((abs(c) / max(t, least) for c, t in zip(rest, terms, strict=False)), default=0) if least else 0

@@ -9,7 +9,7 @@ from math import lcm
 from jacobian import poly
 from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Given, Point, PointAtInfinity
 from jacobian.errors import FieldError, NotRepresentable, shown
-from jacobian.fields.change import Embedding, embedding
+from jacobian.fields.change import embedding
 from jacobian.fields.factor import factor, roots, without_root
 from jacobian.fields.protocol import Field
 from jacobian.law.divisor import Divisor, GroupLaw
@@ -24,9 +24,7 @@ def divisor_of_conjugates(J: GroupLaw, points: Iterable[Given], extension: Field
     """
     C, inclusion = J.curve, embedding(J.field, extension)
     above = C.change_ring(extension)
-    checked = [
-        C.check_point(point) if isinstance(point, PointAtInfinity) else above.check_point(point) for point in points
-    ]
+    checked = [(C if isinstance(point, PointAtInfinity) else above).check_point(point) for point in points]
     affine = [point for point in checked if isinstance(point, AffinePoint)]
     number = Counter(affine)
     for point in affine:
@@ -36,25 +34,11 @@ def divisor_of_conjugates(J: GroupLaw, points: Iterable[Given], extension: Field
                 f"points: {shown(tuple(point))} is given {number[point]} times and its conjugate {tuple(conjugate)} "
                 f"over {J.field.name} {number[conjugate]} times: give all conjugates of a point alike"
             )
-    descent = Descent(above, lambda a: tuple(inclusion.back(c) for c in a), lambda kept: _orbits(kept, inclusion))
-    return divisor_of_points(J, checked, descent)
-
-
-def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[AffinePoint]]:
-    """The points, grouped into orbits of the Frobenius map; each point occurs as often as its conjugates."""
-    left, found = Counter(points), []
-    for point in points:
-        if left[point]:
-            orbit = [point]
-            while (following := AffinePoint(*map(inclusion.frobenius, orbit[-1]))) != point:
-                orbit.append(following)
-            left.subtract(orbit)
-            found.append(orbit)
-    return found
+    return divisor_of_points(J, checked, Descent(above, inclusion))
 
 
 def support(D: Divisor, extension: Field | None = None) -> list[tuple[Point, int]]:
-    """The points of D with their multiplicities, as :meth:`jacobian.law.divisor.Divisor.support` says."""
+    """The points of D with their multiplicities: :meth:`jacobian.law.divisor.Divisor.support`."""
     C = D.jacobian.curve
     K, u, v = C.field, D.u, D.v
     if extension is not None:
@@ -68,17 +52,16 @@ def support(D: Divisor, extension: Field | None = None) -> list[tuple[Point, int
         multiplicity, rest = without_root(K, rest, x)
         points.append((AffinePoint(x, poly.evaluate(K, v, x)), multiplicity))
     if len(rest) > 1:
-        raise NotRepresentable(f"u = {poly.text(C.field, D.u)} has no more than {_missing(D, K, rest)}")
+        degree = splitting_degree(D)
+        hint = "" if degree is None else f": give the extension of degree {degree} of {C.field.name}"
+        raise NotRepresentable(
+            f"u = {poly.text(C.field, D.u)} has no more than {D.degree - (len(rest) - 1)} of its {D.degree} roots in "
+            f"{K.name}{hint}"
+        )
     if D.n is not None:
         weights = ((INFINITY_PLUS, D.n), (INFINITY_MINUS, C.genus - D.degree - D.n))
         points += [(point, weight) for point, weight in weights if weight]
     return points
-
-
-def _missing(D: Divisor, K: Field, rest: poly.Poly) -> str:
-    found = f"{D.degree - (len(rest) - 1)} of its {D.degree} roots in {K.name}"
-    degree = splitting_degree(D)
-    return found if degree is None else f"{found}: give the extension of degree {degree} of {D.jacobian.field.name}"
 
 
 def splitting_degree(D: Divisor) -> int | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from jacobian import poly
@@ -12,25 +12,36 @@ from jacobian.addition.ladder import MOST_BITS, bits_of
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import AffinePoint, Given, Point
 from jacobian.errors import ArgumentError, Infeasible, NotRepresentable, entries, shown, whole
+from jacobian.fields.change import Embedding
 from jacobian.law.divisor import Divisor, GroupLaw
 
-# points are added one by one: a multiplicity is at most MOST_REPEATED, and a sum has at most MOST_POINTS points. Larger
-# sums should use multiples in the group
+# the largest multiplicity of a point, and the largest number of points of a sum, since points are added one by one
 MOST_REPEATED, MOST_POINTS = 100, 100_000
-# AT_ONCE·g points, or a few more, are interpolated as one pair; the group adds these pairs
+# AT_ONCE·g points, or a few more, are interpolated as one Mumford pair; the group adds the classes of these pairs
 AT_ONCE = 8
 
 
 class Descent(NamedTuple):
-    """Points over an extension field, and the map back to the field of the curve.
-
-    ``curve``: the same equation over the extension; ``back`` maps polynomials over the extension to polynomials over
-    the curve's field; ``orbits`` groups the points into sets that are closed under conjugation.
-    """
+    """The embedding of the field K of a curve into a finite extension, and the same curve over the extension."""
 
     curve: HyperellipticCurve
-    back: Callable[[poly.Poly], poly.Poly]
-    orbits: Callable[[list[AffinePoint]], list[list[AffinePoint]]]
+    inclusion: Embedding
+
+    def orbit(self, point: AffinePoint) -> list[AffinePoint]:
+        """A point over the extension and its conjugates over K."""
+        orbit = [point]
+        while (following := AffinePoint(*map(self.inclusion.frobenius, orbit[-1]))) != point:
+            orbit.append(following)
+        return orbit
+
+    def orbits(self, points: list[AffinePoint]) -> list[list[AffinePoint]]:
+        """Points, each of which occurs as often as its conjugates, grouped into sets of conjugates."""
+        left, found = Counter(points), []
+        for point in points:
+            if left[point]:
+                found.append(self.orbit(point))
+                left.subtract(found[-1])
+        return found
 
 
 def repeated(points: Iterable[Given], multiplicities: Iterable[int] | None) -> list[Given]:
@@ -78,8 +89,8 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
     semireduced, cancelled = _cancel_opposites(descent.curve if descent else C, affine)
     n = None
     if C.model == "split":
-        # for r points the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); dividing r·∞₋ evenly
-        # between ∞₊ and ∞₋ subtracts r/2
+        # ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); n is lower by r/2 if (r/2)(∞₊ + ∞₋) is
+        # subtracted instead of r·∞₋
         at_plus = sum(1 for point in points if not isinstance(point, AffinePoint) and point.sign == 1)
         n = at_plus + cancelled + (C.genus - len(points) + 1) // 2
     return _exact_sum(J, semireduced, n, descent) if C.field.exact else _inexact_sum(J, semireduced, n)
@@ -93,15 +104,16 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     has the weight n.
     """
     C = J.curve
-    pairs = _equal_pairs(C, points) if descent is None else {}
-    if pairs:
-        # n contains −(number of points)/2, so omitting 2k points adds k; a pair's class has its own weight
-        rest = list((Counter(points) - Counter({point: 2 * k for point, k in pairs.items()})).elements())
-        total = _exact_sum(J, rest, None if n is None else n + sum(pairs.values()), None)
-        for point, k in pairs.items():
+    often = {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
+    if often and descent is None:
+        # 2k copies of a point are added as k times the class of 2P. n contains −(number of points)/2, so leaving them
+        # out adds k to it
+        rest = list((Counter(points) - Counter({point: 2 * k for point, k in often.items()})).elements())
+        total = _exact_sum(J, rest, None if n is None else n + sum(often.values()), None)
+        for point, k in often.items():
             total = _added(J, total, _multiple_of_pair(J, point, k))
         return total
-    *others, last = _parts(C, descent.orbits(points) if descent else [[point] for point in points])
+    *others, last = _parts(C, points, descent)
     total = J.zero()
     for part in others:
         weight = None if n is None else (C.genus - len(part) + 1) // 2
@@ -110,11 +122,6 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
         total = _added(J, total, _reduced(J, part, weight, descent))
     final = _reduced(J, last, n, descent)
     return _added(J, total, final) if others else final
-
-
-def _equal_pairs(C: HyperellipticCurve, points: list[AffinePoint]) -> dict[AffinePoint, int]:
-    """The points P that occur more than 8g times, each with the k for which 2k or 2k + 1 is its multiplicity."""
-    return {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
 
 
 def _multiple_of_pair(J: GroupLaw, point: AffinePoint, k: int) -> Divisor:
@@ -139,12 +146,14 @@ def _too_long(J: GroupLaw) -> Infeasible:
     )
 
 
-def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[AffinePoint]]:
-    """Orbits grouped into parts of at least 8g points, an even number on an inert model; the last part may have
-    fewer.
+def _parts(C: HyperellipticCurve, points: list[AffinePoint], descent: Descent | None) -> list[list[AffinePoint]]:
+    """The points divided into parts of at least 8g points, an even number on an inert model; the last part may have
+    fewer. Conjugate points are in one part.
     """
+    if len(points) <= AT_ONCE * C.genus:
+        return [points]
     parts: list[list[AffinePoint]] = [[]]
-    for orbit in orbits:
+    for orbit in descent.orbits(points) if descent else ([point] for point in points):
         if len(parts[-1]) >= AT_ONCE * C.genus and (C.model != "inert" or len(parts[-1]) % 2 == 0):
             parts.append([])
         parts[-1] += orbit
@@ -154,13 +163,13 @@ def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[
 def _reduced(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
     u, v = pair_of_points(descent.curve if descent else J.curve, points)
     if descent is not None:
-        u, v = descent.back(u), descent.back(v)
+        u, v = (tuple(map(descent.inclusion.back, a)) for a in (u, v))
     return J._reduced(u, v, n)
 
 
 def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divisor:
     """The class of Σ P_i minus infinity over an inexact field, as a sum of parts of at most g points. On a split
-    model the points must form one part whose weight is in range.
+    model all points must form one reduced class: their number r is at most g, and 0 ≤ n ≤ g − r.
     """
     from jacobian.law.inexact_points import in_order
 
@@ -179,7 +188,9 @@ def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divis
 
 
 def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
-    """The points left after all pairs P, ιP are removed, and the number of pairs. A branch point is its own ιP."""
+    """The points left after all pairs P, ιP are removed, ι(x, y) = (x, −y − h(x)), and the number of these pairs. Two
+    copies of a branch point are such a pair.
+    """
     if not C.field.exact:
         return _cancel_inexact(C, points)
     K = C.field
@@ -194,7 +205,7 @@ def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple
 
 
 def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
-    """The result of :func:`_cancel_opposites` over an inexact field, where y is known only up to rounding."""
+    """:func:`_cancel_opposites` over an inexact field, where y is known only up to rounding."""
     from jacobian.law.inexact_points import opposite
 
     kept: list[AffinePoint] = []

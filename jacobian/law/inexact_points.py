@@ -15,9 +15,9 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.dense import added, product, remainder, residue, value_at
 from jacobian.inexact.digits import Digits
 
-# the largest relative error of y at a point that rounding the coefficients of v may cause
+# rounding the coefficients of v may change v(x) = y at a point by at most this part of y
 KNOWN = 2**-7
-# (x, y) is taken for a rounded point of the curve if y² agrees with f up to this many units of the last digit
+# (x, y) is taken for a rounded point of y² = f(x) if |f(x) − y²| ≤ NEAR·ε·y²
 NEAR = 2**20
 
 
@@ -27,9 +27,10 @@ def in_order(points: Sequence[AffinePoint]) -> list[AffinePoint]:
 
 
 def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
-    """Whether P and Q have the same x and are opposite up to rounding; a branch point is its own opposite."""
-    h = [C.field.zero, *C.h]
-    return bool(P.x == Q.x and abs(P.y + Q.y + value_at(h[1:], P.x)) <= abs(P.y - Q.y))
+    """Whether P and Q have the same x and are nearer to being opposite, y_P + y_Q + h(x) = 0, than to being equal. A
+    branch point is its own opposite.
+    """
+    return bool(P.x == Q.x and abs(P.y + Q.y + value_at(C.h, P.x)) <= abs(P.y - Q.y))
 
 
 def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
@@ -65,7 +66,7 @@ def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[Affine
             k = value_at(residue(f, u, v)[0], x) / (2 * y)
         else:
             x = digits.number(point.x)
-            y = _on_curve(digits, digits.number(point.y) + value_at([*half, 0 * x], x), value_at(f, x))
+            y = _on_curve(digits, digits.number(point.y) + value_at(half, x), value_at(f, x))
             found[key] = x, y
             k = (y - value_at(v, x)) / value_at(u, x)
         v = added(v, [k * c for c in u])
@@ -74,8 +75,8 @@ def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[Affine
 
 
 def _on_curve(digits: Any, y: Any, square: Any) -> Any:
-    """The solution of y² = ``square`` nearest to the rounded y, or the given y if it is no rounded solution, as near a
-    branch point.
+    """The root of ``square`` near y, by Newton's method; y itself if y² and ``square`` differ by more than rounding,
+    as they may near a branch point.
     """
     if abs(square - y * y) > NEAR * digits.own_eps * abs(y * y):
         return y

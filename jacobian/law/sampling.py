@@ -16,15 +16,15 @@ GF(q), which are left out (Weil 1948). The sum of t places is within √#J·ε^t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import count, product
-from math import ceil, isqrt, log, log2
+from math import ceil, isqrt, log, log2, prod
 from typing import Any
 
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.curve.points import AffinePoint, Point
+from jacobian.curve.points import Point
 from jacobian.element import Rng
 from jacobian.errors import Infeasible, NotRepresentable
 from jacobian.fields import GF
@@ -39,6 +39,8 @@ from jacobian.fields.residue import ResidueField, polynomial_number
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
 from jacobian.progress import Progress
+
+Pair = tuple[poly.Poly, poly.Poly]
 
 MOST_GENUS, LARGEST_GENUS = 12, 500
 """The largest genus for rejection, which keeps one of 2^g pairs (u, v), and the largest for sums of places. The latter
@@ -79,18 +81,15 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))
-    into, over = embedding(K, L), C.change_ring(L)
-    descent = Descent(over, lambda a: tuple(into.back(c) for c in a), lambda points: [points])
+    descent = Descent(C.change_ring(L), embedding(K, L))
     total, points = J.zero(), list[Point]()
     while places:
-        orbit = [over.random_point(rng)]
-        while (following := AffinePoint(*map(into.frobenius, orbit[-1]))) != orbit[0]:
-            orbit.append(following)
+        orbit = descent.orbit(descent.curve.random_point(rng))
         if len(orbit) == k:
             points += orbit
             places -= 1
-        if len(orbit) == k and places % 2 == 0:
-            total, points = total + divisor_of_points(J, points, descent), []
+            if places % 2 == 0:
+                total, points = total + divisor_of_points(J, points, descent), []
     return total
 
 
@@ -124,19 +123,16 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
             break
     threshold = random_below(rng, 1 << degree)
     u = poly.random(K, degree, rng, monic=True)
-    # the number of v is at most 2^(number of places) and must exceed the threshold. Most u fail this test, which needs
-    # no complete factorization
+    # u has at most 2^r polynomials v, r the number of its irreducible factors. Their degree is 1 or at least 2, so the
+    # number of linear factors bounds r: enough to reject most u without a complete factorization
     if degree > 1:
         linear = len(linear_part(K, u)) - 1
         if 1 << (linear + (degree - linear) // 2) <= threshold:
             return None
     choices = _local_choices(C, u)
-    count = 1
-    for _, pairs in choices:
-        count *= len(pairs)
-    if count <= threshold:
+    if prod(map(len, choices)) <= threshold:
         return None
-    pair = _combine(C, [pairs[random_below(rng, len(pairs))] for _, pairs in choices])
+    pair = _composed(C, [pairs[random_below(rng, len(pairs))] for pairs in choices])
     return Divisor(J, *pair, random_below(rng, weights) if C.model == "split" else None)
 
 
@@ -164,14 +160,14 @@ def _listed(J: GroupLaw) -> Iterator[Divisor]:
             progress.add(1)
             u = polynomial_number(K, number)
             u = (*u, *[K.zero] * (degree - len(u)), K.one)
-            for pairs in product(*[pairs for _, pairs in _local_choices(C, u)]):
-                u, v = _combine(C, list(pairs))
+            for pairs in product(*_local_choices(C, u)):
+                u, v = _composed(C, pairs)
                 for n in range(weights):
                     yield Divisor(J, u, v, n if C.model == "split" else None)
 
 
-def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly, list[tuple[poly.Poly, poly.Poly]]]]:
-    """For each factor P^e of u, the tuple of P and the list of all pairs (P^e, v) on the curve."""
+def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[list[Pair]]:
+    """For each factor P^e of u, P irreducible, all Mumford pairs (P^e, v) on the curve."""
     K: Any = C.field
     choices = []
     for P, multiplicity in factor(K, u):
@@ -179,21 +175,14 @@ def _local_choices(C: HyperellipticCurve, u: poly.Poly) -> list[tuple[poly.Poly,
         values = quadratic_roots(L, poly.mod(K, C.h, P), poly.mod(K, C.f, P))
         if len(values) == 1 and multiplicity > 1:
             values = []
-        pairs = [_lift(C, P, v, multiplicity) for v in values]
-        choices.append((P, pairs))
+        choices.append([_composed(C, [(P, v)] * multiplicity) for v in values])
     return choices
 
 
-def _lift(C: HyperellipticCurve, P: poly.Poly, v: poly.Poly, multiplicity: int) -> tuple[poly.Poly, poly.Poly]:
-    """The pair (P^e, v) from v modulo P, by e-fold composition without reduction."""
-    local = pair = (P, v, None)
-    for _ in range(multiplicity - 1):
-        pair = cantor.compose(C, pair, local)  # type: ignore[assignment]
-    return pair[0], pair[1]
-
-
-def _combine(C: HyperellipticCurve, pairs: list[tuple[poly.Poly, poly.Poly]]) -> tuple[poly.Poly, poly.Poly]:
-    total: cantor.Triple = ((C.field.one,), (), None)
-    for u, v in pairs:
+def _composed(C: HyperellipticCurve, pairs: Sequence[Pair]) -> Pair:
+    """The sum of the divisors of Mumford pairs, not reduced."""
+    (u, v), *others = pairs or [((C.field.one,), ())]
+    total: cantor.Triple = u, v, None
+    for u, v in others:
         total = cantor.compose(C, total, (u, v, None))
     return total[0], total[1]

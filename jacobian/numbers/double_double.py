@@ -6,7 +6,8 @@ The arithmetic is compiled: :mod:`jacobian.native`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from fractions import Fraction
 from functools import lru_cache
 from math import isfinite, ldexp
@@ -47,12 +48,7 @@ def split(x: Any) -> tuple[float, float]:
         x = Fraction(int(x))
     if not isinstance(x, (float, np.floating, Fraction)):
         raise ArgumentError(f"x = {x!r}: an int, float, Fraction or mpf is needed")
-    try:
-        high = float(x)
-    except OverflowError as error:
-        raise ArgumentError(f"x = {x!r}: too large for floats") from error
-    if not isfinite(high):
-        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    high = _finite(x, float)
     low = float(x - Fraction(high)) if isinstance(x, Fraction) else float(x - high)
     total = high + low
     return total, low - (total - high)
@@ -75,10 +71,17 @@ def _split_mpf(x: Any) -> tuple[float, float]:
     return _split_any_mpf(x)
 
 
+def _finite(x: Any, convert: Callable[[Any], float]) -> float:
+    """The float nearest to x, by ``convert``; ArgumentError beyond the range of floats."""
+    with suppress(OverflowError):
+        high = convert(x)
+        if isfinite(high):
+            return high
+    raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+
+
 def _split_mpfr(x: Any) -> tuple[float, float]:
-    high = float(x)
-    if not isfinite(high):
-        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    high = _finite(x, float)
     return high, float(_context(x.precision).sub(x, high))
 
 
@@ -93,12 +96,7 @@ def _context(precision: int) -> Any:
 def _split_any_mpf(x: Any) -> tuple[float, float]:
     from mpmath.libmp import from_float, mpf_sub, to_float
 
-    try:
-        high = to_float(x._mpf_, strict=True)
-    except OverflowError as error:
-        raise ArgumentError(f"x = {x!r}: too large for floats") from error
-    if not isfinite(high):
-        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    high = _finite(x, lambda x: to_float(x._mpf_))
     # mpf_sub without a precision is exact
     low = to_float(mpf_sub(x._mpf_, from_float(high)))
     total = high + low

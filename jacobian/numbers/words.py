@@ -171,10 +171,7 @@ class Double(SingleProducts, namedtuple("Double", "p reciprocal one half")):
     def fit(self, x: float) -> float:
         return x
 
-    def nearer(self, x: float, far: float, step: float) -> float:
-        """x, moved by ``step`` towards 0 if it is beyond ±far."""
-        x = x - step if x > far else x
-        return x + step if x < -far else x
+    nearer: Any = WordContext.nearer
 
     def canonical(self, x: float) -> float:
         return self.nearer(self.nearer(x, self.p + self.half, 3 * self.p), self.half, self.p)

@@ -206,7 +206,7 @@ class SignedGroup(Immutable):
 
     def _composed(self, genus: int, D: SignedDivisor, E: SignedDivisor) -> tuple[poly.Poly, poly.Poly, poly.Poly, Any]:
         pairs = (list(D.u), list(D.v)), (list(E.u), list(E.v))
-        u, v, p, q = composition.compose(self.field, genus, self.curve.f, *pairs)
+        u, v, p, q, _ = composition.compose(self.field, genus, self.curve.f, *pairs)
         return tuple(u), tuple(v), tuple(p), q
 
     def _transfer(

@@ -236,6 +236,7 @@ def test_the_default_modulus_is_the_conway_polynomial_of_galois(monkeypatch):
     """Also where galois's table is elsewhere, as it may be in another version."""
     found = {(p, k): default_modulus(GF(p), k) for p, k in ((2, 8), (3, 1), (7, 2), (7, 10))}
     monkeypatch.setitem(sys.modules, "galois._databases", None)
+    default_modulus.cache_clear()
     for (p, k), modulus in found.items():
         conway = galois.conway_poly(p, k)
         assert modulus == default_modulus(GF(p), k) == tuple(int(c) for c in conway.coeffs[::-1])
@@ -358,3 +359,20 @@ def test_sums_of_floats_overflow_only_where_they_are_beyond_floats() -> None:
     large = (1e154, 1e154, -1e154)
     assert RR.dot(large, (1e154,) * 3) == 1e154 * 1e154
     assert RR.dot(large, large) == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("K", "value", "message"),
+    [
+        (RR, 10**400, "beyond the range of RR"),
+        (CC, "1e400", "beyond the range of CC"),
+        (MP(30), np.longdouble("inf"), r"beyond the range of MP\(30\)"),
+        (RR, "1e200000", "powers of ten"),
+        (MP(30), "1e200000", "powers of ten"),
+        (MP(30), float("inf"), "is not finite"),
+        (CC, complex("nan"), "is not finite"),
+    ],
+)
+def test_numbers_that_are_too_large(K, value, message):
+    with pytest.raises(FieldError, match=f"^size = .*{message}"):
+        K.coerce(value, "size")

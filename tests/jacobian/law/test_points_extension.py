@@ -251,3 +251,11 @@ def test_galois_polynomials_in_and_out(rng):
     assert over_p.to_galois() == (galois.Poly([1, 0], field=galois.GF(7)), galois.Poly([1], field=galois.GF(7)))
     with pytest.raises(FieldError, match="galois has finite fields only"):
         HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]).jacobian().from_points([(0, 1)]).to_galois()
+
+
+def test_more_points_than_the_genus_in_floats():
+    C = HyperellipticCurve(RR, [1, 0, 0, 0, 0, 1])
+    J, points = C.jacobian(), [C.lift_x(x) for x in (0, 1, 2, 3.5, -0.5)]
+    D, E = J.from_points(points), sum((J.from_points([P]) for P in points), J.zero())
+    assert max(abs(x - y) for x, y in zip((*D.u, *D.v), (*E.u, *E.v), strict=True)) < 1e-12
+    assert J.from_points(points[::-1]) == D

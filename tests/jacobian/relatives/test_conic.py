@@ -8,7 +8,7 @@ import pytest
 
 from jacobian import GF, MP, QQ, RR, ArgumentError, FieldError, HyperellipticCurve, NotOnCurve, NotRepresentable, poly
 from jacobian.law.from_points import pair_of_points
-from jacobian.law.sampling import _combine, _local_choices
+from jacobian.law.sampling import _composed, _local_choices
 from jacobian.relatives.conic import Representative, representative
 from jacobian.relatives.fibre import FibreGroup
 from jacobian.relatives.ray_class import RayClassGroup
@@ -86,8 +86,8 @@ def test_the_pencil_is_all_of_its_class(f):
     C = HyperellipticCurve(GF(5), f)
     K, classes = C.field, {}
     for lower in product(range(5), repeat=C.genus + 1):
-        for pairs in product(*[choices for _, choices in _local_choices(C, (*lower, 1))]):
-            R = Representative(C, *_combine(C, list(pairs)))
+        for pairs in product(*_local_choices(C, (*lower, 1))):
+            R = Representative(C, *_composed(C, pairs))
             classes.setdefault(R.divisor(), set()).add(R)
     assert len(classes) > 1
     for members in classes.values():
