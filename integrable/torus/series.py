@@ -7,7 +7,7 @@ torus. Its modes are those of F divided by the rates of their phases.
 from __future__ import annotations
 
 from math import ceil, log2, pi
-from typing import TYPE_CHECKING, NamedTuple, SupportsInt
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ TOGETHER = 256
 ONE_THREAD, FEWEST = 1 << 15, 4
 # in floats smaller modes may underflow
 TINY = 1e-290
-# the size up to which transforms of integers are direct sums
+# the size up to which transforms of long numbers are direct sums
 SHORT = 8
 # a mode in floats has the error ROUNDED per turn of its phase; sums of many digits have SPARE_BITS guard bits
 ROUNDED, SPARE_BITS = 1e-15, 40
@@ -292,62 +292,34 @@ def spectrum(samples: np.ndarray) -> np.ndarray:
 
 def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
     """:func:`spectrum` for samples in bare reals, on a grid of powers of 2."""
-    parts = [[part(z).as_mantissa_exp() for z in samples.flat] for part in (lambda z: z.real, lambda z: z.imag)]
-    most = max((int(m).bit_length() + int(e) for part in parts for m, e in part if m), default=0)
-    bits = reals.bits + SPARE_BITS
-    tables = [
-        np.array([in_units(m, e, bits - most) for m, e in part], dtype=object).reshape(samples.shape) for part in parts
-    ]
-    circle = circle_of(max(samples.shape), bits)
-    for _ in range(2):
-        tables = [x.T for x in fourier(tables[0], tables[1], circle, bits)]
+    grid, size = samples, samples.size
+    with reals.at(reals.bits + SPARE_BITS):
+        circle = circle_of(max(samples.shape))
+        for _ in range(2):
+            grid = fourier(grid, circle).T
     with reals:
-        unit = reals.number(2) ** (most - bits) / samples.size
-        grid: np.ndarray = (tables[0] + tables[1] * reals.i) * unit
-        return grid
+        found: np.ndarray = grid / size
+    return found
 
 
-def in_units(mantissa: SupportsInt, exponent: SupportsInt, bits: int) -> int:
-    """mantissa·2^exponent in units of 2^−bits."""
-    shift = int(exponent) + bits
-    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
+def circle_of(count: int) -> np.ndarray:
+    """e^(−2πik/count) for k < count, to the precision in force (:class:`~jacobian.numbers.long_reals.BareReals`)."""
+    import gmpy2
+
+    return np.array([gmpy2.root_of_unity(count, -k % count) for k in range(count)], dtype=object)
 
 
-def circle_of(count: int, bits: int) -> tuple[np.ndarray, np.ndarray]:
-    """cos and sin of the multiples of a turn/count, as integers in units of 2^−bits."""
-    import flint
-
-    finer = bits + SPARE_BITS
-    with BallReals(finer + SPARE_BITS):
-        turn = flint.arb(2) / count
-        parts = turn.cos_pi().mid().man_exp(), turn.sin_pi().mid().man_exp()
-    c, s = (in_units(mantissa, exponent, finer) for mantissa, exponent in parts)
-    x, y, cosines, sines = 1 << finer, 0, list[int](), list[int]()
-    for _ in range(count):
-        cosines.append(x >> SPARE_BITS)
-        sines.append(y >> SPARE_BITS)
-        x, y = (x * c - y * s) >> finer, (x * s + y * c) >> finer
-    return np.array(cosines, dtype=object), np.array(sines, dtype=object)
-
-
-def fourier(
-    real: np.ndarray, imaginary: np.ndarray, circle: tuple[np.ndarray, np.ndarray], bits: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """The transform Σ x_j e^(−2πijk/n) along the first axis of arrays of integers (Cooley & Tukey 1965).
-
-    ``circle`` is :func:`circle_of` m, for a multiple m of n.
+def fourier(values: np.ndarray, circle: np.ndarray) -> np.ndarray:
+    """The transform Σ_j x_j·e^(−2πijk/n) along the first axis of n rows x_j of long numbers (Cooley & Tukey 1965).
+    ``circle`` is :func:`circle_of` a multiple of n.
     """
-    cosines, sines = circle
-    n, stride = len(real), len(cosines) // len(real)
+    n, stride = len(values), len(circle) // len(values)
     if n % 2 or n <= SHORT:
         k = np.arange(n)
-        turns = np.outer(k, k) % n * stride
-        c, s = cosines[turns], sines[turns]
-        return (c @ real + s @ imaginary) >> bits, (c @ imaginary - s @ real) >> bits
-    even, odd = (fourier(real[i::2], imaginary[i::2], circle, bits) for i in range(2))
-    c, s = (x[: n // 2 * stride : stride, None] for x in circle)
-    x, y = (c * odd[0] + s * odd[1]) >> bits, (c * odd[1] - s * odd[0]) >> bits
-    return np.concatenate([even[0] + x, even[0] - x]), np.concatenate([even[1] + y, even[1] - y])
+        direct: np.ndarray = circle[np.outer(k, k) % n * stride] @ values
+        return direct
+    even, odd = fourier(values[::2], circle), circle[: n // 2 * stride : stride, None] * fourier(values[1::2], circle)
+    return np.concatenate([even + odd, even - odd])
 
 
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
