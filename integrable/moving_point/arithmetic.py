@@ -23,6 +23,14 @@ MOST_TURNS = 2.0**50
 PASSES = 80
 
 
+def too_many_turns(time: float, turns: float, most: float = MOST_TURNS) -> PrecisionLoss:
+    """The error for a time in which a phase makes more than ``most`` turns."""
+    return PrecisionLoss(
+        f"time {time}: {turns:.1e} turns of a phase are more than the {most:.1e} whose fractions double-double numbers "
+        "hold; use more digits"
+    )
+
+
 class LongDoubles:
     """Long doubles. ``field`` has the wide numbers, ``eps`` is the rounding unit, ``bits`` the number of bits, ``tiny``
     a number far below ``eps``, and ``passes`` the largest number of steps of Newton's method.
@@ -65,11 +73,7 @@ class LongDoubles:
             scaled = np.ldexp(values if rate else 0 * values, exponent)
         if not np.abs(scaled).max(initial=0) < MOST_TURNS:
             farthest = float(np.abs(values).max())
-            turns = abs(farthest * float(rate))
-            raise PrecisionLoss(
-                f"time {farthest}: {turns:.1e} turns of a phase are more than the {MOST_TURNS:.1e} "
-                "whose fractions double-double numbers hold; use more digits"
-            )
+            raise too_many_turns(farthest, abs(farthest * float(rate)))
         product, error = exact_product(scaled, high)
         whole = np.rint(product)
         rest = (product - whole).astype(self._kind) + error + scaled.astype(self._kind) * low + self.number(start)

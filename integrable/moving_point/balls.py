@@ -146,11 +146,7 @@ class BallTranslations(Translations):
         rest = part**terms / ((1 - part) * (terms + 1) ** 2)
         return tuple(around(x, rest * size) for x, size in zip(sums, self._sizes, strict=True))
 
-    def _plain(self, step: Sequence[arb]) -> tuple[arb, ...]:
-        return tuple(step)
-
     def sum(self, first: tuple[arb, ...], second: tuple[arb, ...]) -> tuple[arb, ...]:
-        """The sum of two translations."""
         return carried(self.f, self.axes, first, second)
 
 

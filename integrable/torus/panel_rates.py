@@ -119,7 +119,7 @@ class Scouts:
             point = setup.reached(sign, cell)
             with setup.reals.at(SCOUT_BITS):
                 values = [rate_after(bare.f, bare.axes, point, step) for step in steps[::sign]]
-                found = [abs(float(setup.reals.plain(c))) for c in series.coefficients(values)]
+                found = [abs(float(c)) for c in series.coefficients(values)]
             sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
         return sizes
 
