@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -48,9 +47,13 @@ def event_times(flow: Any, condition: Condition, start: Number, end: Number, dir
     if not first < last:
         raise ArgumentError(f"start = {shown(start)}, end = {shown(end)}: a time after start is needed")
     direction = one_of(direction, "direction", (-1, 0, 1), "1 for rising zeros, −1 for falling ones, 0 for both")
-    found, length = [], floats._panel(float(first), float(last))
-    for left, right in _stretches(length, float(first), float(last)):
-        found.append(zeros(Panels(partial(_column, floats._states, condition), left, right, length, TOLERANCE)))
+    length = floats._panel(float(first), float(last))
+
+    def column(times: np.ndarray) -> np.ndarray:
+        return _values(floats._states, condition, times)[:, None]
+
+    stretches = _stretches(length, float(first), float(last))
+    found = [zeros(Panels(column, left, right, length, TOLERANCE)) for left, right in stretches]
     # a zero at the end of a stretch is also found in the next one
     times, slopes, halves = distinct(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     kept = (direction * slopes >= 0) & (slopes != 0)
@@ -74,10 +77,6 @@ def _stretches(length: float, first: float, last: float) -> Iterator[tuple[float
         end = min(last, first + PANELS * length)
         yield first, end
         first = end
-
-
-def _column(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
-    return _values(states, condition, times)[:, None]
 
 
 def _values(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
