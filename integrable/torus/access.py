@@ -145,13 +145,13 @@ def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
 class TorusFlow(BodyTorus):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    PrecisionLoss where the torus is not compact, needs more than ``most`` samples of 1/g, or where the loops lose too
-    many digits.
+    PrecisionLoss where the torus is not compact, needs more than MOST_SAMPLES samples of 1/g, or where the loops lose
+    too many digits.
     """
 
     way = "torus"
 
-    def __init__(self, setup: Setup, loops: Loops, most: int = MOST_SAMPLES) -> None:
+    def __init__(self, setup: Setup, loops: Loops) -> None:
         super().__init__(setup, loops)
         problem, (nu1, nu2, mean) = loops.floats(self._problem), loops.floats(self.rates[:3]).tolist()
         # ``scale`` is one unit of the user's τ in units of the problem
@@ -166,7 +166,8 @@ class TorusFlow(BodyTorus):
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
         if rolls:
-            spectrum = resolved_spectrum(loops, self.samples, self.first_grid(), most, self._turns, scale, loops.noise)
+            grid = self.samples, self.first_grid(), MOST_SAMPLES
+            spectrum = resolved_spectrum(loops, *grid, self._turns, scale, loops.noise)
             noise = max(self.closure, loops.noise / 64)
             self.clock = TorusClock(loops, spectrum, self.rates, scale, noise, self.doubled)
 

@@ -1,7 +1,7 @@
 """The series of a clock from the spectrum of 1/g, on bare reals, compiled unchanged.
 
 A spectrum is a flat array: for k = 0, …, rows/2 the coefficients of all (k, m) in the order of a discrete transform,
-with real and imaginary parts alternating (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape
+with real and imaginary parts alternating (:func:`jacobian.numbers.fourier.half_spectrum`). ``grid`` is the shape
 (rows, columns) of the samples, powers of 2.
 """
 

@@ -115,21 +115,24 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: fl
     """For each panel, whether its series has converged: its last terms are below ``tolerance``, or are below NOISE and
     no longer decrease.
     """
-    sizes = np.abs(coefficients).max(axis=(0, 1))
-    tails = np.abs(coefficients[:, -3:]).max(axis=1)
-    before = np.abs(coefficients[:, -10:-3]).max(axis=1)
-    level = (tails > before / 8) & (tails <= NOISE * sizes)
-    good: np.ndarray = ((tails <= np.maximum(tolerance * sizes, least)) | level).all(axis=1)
-    return good
+    sizes, tails, level = _tails(coefficients)
+    good = (tails <= np.maximum(tolerance * sizes, least)) | level & (tails <= NOISE * sizes)
+    return np.all(good, axis=1)
 
 
 def _rounded(coefficients: np.ndarray) -> np.ndarray:
     """For each panel, whether its last terms are below ROUGH and no longer decrease, or are below NOISE."""
-    sizes = np.abs(coefficients).max(axis=(0, 1))
-    tails = np.abs(coefficients[:, -3:]).max(axis=1)
-    before = np.abs(coefficients[:, -10:-3]).max(axis=1)
-    quiet: np.ndarray = ((tails > before / 8) & (tails <= ROUGH * sizes) | (tails <= NOISE * sizes)).all(axis=1)
-    return quiet
+    sizes, tails, level = _tails(coefficients)
+    return np.all(level & (tails <= ROUGH * sizes) | (tails <= NOISE * sizes), axis=1)
+
+
+def _tails(coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(the largest coefficient of each column; for each panel and column, the largest of the last three, and whether
+    these no longer decrease).
+    """
+    size = np.abs(coefficients)
+    tails = size[:, -3:].max(axis=1)
+    return size.max(axis=(0, 1)), tails, tails > size[:, -10:-3].max(axis=1) / 8
 
 
 @lru_cache(maxsize=1)

@@ -37,20 +37,18 @@ class TorusSeries:
     """The function S of an F with the :func:`spectrum` ``grid``, with S = 0 at the phases (0, 0). ``frequencies`` are
     the turns of both phases per unit of τ, as wide numbers.
 
-    F and S are divided by ``scale``, for a clock the mean rate; coefficients below ``noise`` times the largest are left
-    out. Slow modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss
-    where a mode (k, m) of F is in resonance: kν₁ + mν₂ = 0.
+    Coefficients of F below ``noise`` times the largest are left out. Slow modes are divided by their small rates: a
+    spectrum in long doubles has the digits for that. PrecisionLoss where a mode (k, m) of F is in resonance:
+    kν₁ + mν₂ = 0. Coefficients below ``rounding`` times the largest are not examined for resonance.
     """
 
     def __init__(
         self,
         grid: np.ndarray,
         frequencies: tuple[Real, Real],
-        scale: Real = 1.0,
         noise: float = 2.0**-54,
         rounding: float | None = None,
     ) -> None:
-        grid = grid / scale
         if rounding is None:
             rounding = 8 * float(np.finfo(grid.dtype).eps)
         self.mean = float(grid[0, 0].real)
@@ -275,19 +273,9 @@ def in_resonance(k: int, m: int) -> PrecisionLoss:
     return PrecisionLoss(f"the mode ({k}, {m}) of a function on the torus is in resonance with the motion")
 
 
-def half_spectrum(samples: np.ndarray) -> np.ndarray:
-    """The rows 0 … rows/2 of :func:`spectrum`; the other rows are conjugate to them."""
-    return np.fft.fft(np.fft.rfft(samples, axis=0, norm="forward"), axis=1, norm="forward")
-
-
 def spectrum(samples: np.ndarray) -> np.ndarray:
     """The Fourier coefficients of samples at the phases (i/rows, j/columns); same shape."""
-    half = half_spectrum(samples)
-    rows = len(samples)
-    other = half[1 : rows - rows // 2][::-1].conj()
-    other[:, 1:] = other[:, :0:-1].copy()
-    grid: np.ndarray = np.concatenate([half, other])
-    return grid
+    return np.fft.fft2(samples, norm="forward")
 
 
 def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
