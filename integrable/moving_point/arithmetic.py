@@ -17,7 +17,7 @@ from jacobian.numbers.double_double import exact_product, split
 
 # bits of the constants of closed forms in long doubles
 WIDE_BITS = 160
-# beyond this many turns a float holds no digits of the phase
+# at a time of this many turns, neighbouring floats of the time are a quarter of a turn apart
 MOST_TURNS = 2.0**50
 # largest number of Newton steps to a zero in long doubles, including a bisection for each bit
 PASSES = 80

@@ -107,7 +107,6 @@ class FirstKind:
                 return found
 
     def at(self, x: Array) -> Array:
-        """F(x | m)."""
         return 2 * self.quarter / self._numbers.pi * x + self.swing(x)
 
     def inverse(self, v: Array) -> Array:
@@ -147,7 +146,7 @@ def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, 
     """
     rest, values = third
     scale = 2 + 0 * points[0]
-    # R is to be constant over each oval, and the ovals are to be points for their distance
+    # the method ends when both ovals are short compared with their distance, and R hardly varies over either of them
     while (
         max(points[1] - points[0], points[3] - points[2]) > near * gap
         or abs(values[0] - values[1]) > near * abs(values[0])

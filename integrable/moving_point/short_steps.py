@@ -290,12 +290,10 @@ def inner(r: Vector[Real], x: Vector[Real], y: Vector[Real]) -> Real:
 
 
 def times_each(x: Vector[Real], y: Vector[Real]) -> Vector[Real]:
-    """The three products x_i·y_i."""
     return x[0] * y[0], x[1] * y[1], x[2] * y[2]
 
 
 def times(k: Real, x: Vector[Real]) -> Vector[Real]:
-    """k·x."""
     return k * x[0], k * x[1], k * x[2]
 
 

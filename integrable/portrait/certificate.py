@@ -25,7 +25,7 @@ Finer = Callable[[list[Real], MultiprecisionField], Pairs]
 # the second run has WIDER more digits than the first, and at least LEAST
 WIDER = 15
 LEAST = 30
-# by default the last SLACK of the field's digits need not agree, over floats the last FLOAT_SLACK
+# by default all digits of MP(digits) but the last SLACK must agree, and all digits of floats but the last FLOAT_SLACK
 SLACK = 1
 FLOAT_SLACK = 3
 

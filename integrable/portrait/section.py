@@ -40,7 +40,7 @@ MOST_CROSSINGS = 10**6
 ON = 1e-12
 # the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
-# the number of digits of a τ in floats, which Newton's method doubles
+# the number of right digits of the first τ, which is computed in floats; each step of Newton's method doubles it
 ROUGH_DIGITS = 12
 
 

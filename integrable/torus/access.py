@@ -89,7 +89,6 @@ class BodyTorus:
         return torus
 
     def _check(self, found: Row) -> None:
-        """Raises PrecisionLoss if the states are not those of the motion."""
         if not self.closure <= CLOSED:
             raise PrecisionLoss(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
         frequencies = found[FREQUENCIES : FREQUENCIES + 2]

@@ -11,8 +11,8 @@ from integrable.moving_point.addition import Real, Row
 from integrable.torus.states import BodyStates, states_at, whole_turns
 from integrable.torus.theta_series import circle
 
-# Newton steps with the slope of the first point reduce the error by about the length of the first step, in turns: they
-# end when this length times that of the last step is at most LAST_STEPS
+# Newton's method with the slope at its first point multiplies an error by about the length of the first step, in turns.
+# It ends when the product of the lengths of the first and of the last step is at most LAST_STEPS
 LAST_STEPS = 1e-18
 
 

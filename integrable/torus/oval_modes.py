@@ -39,8 +39,8 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
 # because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is taken where the product is largest among STEPS points, a step apart, from the start on, because
-# a σ may be small at one of these points
+# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps, wherever |σ₁σ₂σ₃| is largest: at one
+# of these points a σ may be too small to have a sign
 STEPS = 4
 
 

@@ -57,7 +57,7 @@ class TorusSeries:
         half = half_plane(grid)
         self._first = -(columns // 2)
         self._slope = half.astype(complex)
-        # a mode outside k = 0 stands for its conjugate too
+        # modes with k > 0 are doubled, since they stand for their conjugates too
         sizes = np.abs(self._slope)
         largest = max(float(sizes[0, : 1 - self._first].max()), float(sizes[1:].max(initial=0)) / 2)
         kept = sizes > rounding * largest
@@ -204,7 +204,6 @@ class LongSeries:
         return found
 
     def _tails(self, angles: list[tuple[Real, Real]], level: SeriesLevel) -> list[float]:
-        """The sums of the small modes."""
         if not level.tail.size:
             return [0.0] * len(angles)
         first, second = np.array(angles, dtype=float).T

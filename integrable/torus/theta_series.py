@@ -19,7 +19,8 @@ from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.sums import joined, plus_product
 
-# bits in which the constants of cosine and sine are computed for double-doubles, and bits to which both are summed
+# for double-doubles: the bits in which 2π and 1/n! are computed, and the bits to which the series of cosine and sine,
+# with these coefficients, are truncated
 BITS, SUMMED = 200, 112
 # e^(−π·DEPTH) is the truncation error of a series relative to its largest term
 DEPTH = 22.0
@@ -243,7 +244,6 @@ def circle_points(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
 
 @cache
 def long_numbers(bits: int) -> LongField:
-    """The field of long numbers of ``bits`` bits."""
     return LongField(bits)
 
 
