@@ -290,7 +290,7 @@ class SeparatedTorus:
                 for pole in self.poles[k][j]:
                     total += float(pole.mean) * pole.swings(phi)
             found.append(total)
-        return np.stack(found, axis=1) if found else np.zeros((len(angles), 0))
+        return np.array(found).reshape(len(found), len(angles)).T
 
     @property
     def swings_at_start(self) -> list[Real]:

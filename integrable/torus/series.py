@@ -125,8 +125,6 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
     tables = np.array([x._swing for x in series])
     used = np.abs(tables).max(axis=0) > 0
     rows, columns = np.flatnonzero(used.any(axis=1)), np.flatnonzero(used.any(axis=0))
-    if not len(rows):
-        return np.zeros((len(first), len(series)))
     left = np.exp(2j * pi * np.outer(first, rows))
     right = np.exp(2j * pi * np.outer(second, columns + series[0]._first))
     values = np.einsum("ni,mij,nj->nm", left, tables[:, rows][:, :, columns], right, optimize=True).real
