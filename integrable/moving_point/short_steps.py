@@ -9,6 +9,7 @@ from math import sqrt
 from integrable.moving_point.addition import (
     Row,
     carried,
+    curve_of,
     moving_point,
     noise,
     opposite,
@@ -35,7 +36,6 @@ from integrable.moving_point.short_rows import (
     Rule,
     ShortRoom,
     axes_of,
-    curve_of,
     unit_axes,
 )  # fmt: skip
 from integrable.moving_point.translations import Expansion, expand_orders, high_parts
