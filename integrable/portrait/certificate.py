@@ -31,11 +31,7 @@ FLOAT_SLACK = 3
 
 
 def agreement(
-    field: RealField | MultiprecisionField,
-    run: Run[Any],
-    finer: Finer,
-    digits: int | None,
-    unit: Real | None = None,
+    field: RealField | MultiprecisionField, run: Run[Any], finer: Finer, digits: int | None, unit: Real | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The errors of the states of a ``run``, and how many digits of each agree with ``finer``.
 

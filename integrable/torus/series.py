@@ -43,11 +43,7 @@ class TorusSeries:
     """
 
     def __init__(
-        self,
-        grid: np.ndarray,
-        frequencies: tuple[Real, Real],
-        noise: float = 2.0**-54,
-        rounding: float | None = None,
+        self, grid: np.ndarray, frequencies: tuple[Real, Real], noise: float = 2.0**-54, rounding: float | None = None
     ) -> None:
         if rounding is None:
             rounding = 8 * float(np.finfo(grid.dtype).eps)
