@@ -54,12 +54,6 @@ class Clock(NamedTuple):
     inverse: Row
 
 
-def clock_in_tuples(clock: Clock) -> Clock:
-    """The clock with a tuple for ``pace``, whose numbers compiled loops then hold in registers."""
-    pace = clock.pace[0], clock.pace[1], clock.pace[2], clock.pace[3], clock.pace[4], clock.pace[5]
-    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, pace, clock.inverse)
-
-
 def states_at_times(
     body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row]
 ) -> None:
@@ -76,11 +70,11 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
     """Writes into ``found`` the phases at physical times t (in turns, modulo 2, one pair after the other), τ, and
     τ − t·(mean dτ/dt).
     """
-    own, (phases, tau, delays) = clock_in_tuples(clock), found
+    phases, tau, delays = found
     for i in range(len(times)):
-        first, second, x = phases_at_time(own, times[i], room)
+        first, second, x = phases_at_time(clock, times[i], room)
         phases[2 * i], phases[2 * i + 1] = first, second
-        tau[i], delays[i] = float(own.pace[4] * times[i] + x), float(x)
+        tau[i], delays[i] = float(clock.pace[4] * times[i] + x), float(x)
 
 
 def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Real]:
@@ -89,7 +83,8 @@ def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Rea
     x is bounded and solves x + S = 0 at the phases (a + ν₁x, b + ν₂x), where (a, b) are those of the mean motion. It is
     found first with the few largest modes, then with all modes in floats, and corrected where floats are not enough.
     """
-    pace1, pace2, nu1, nu2, _, _ = clock.pace
+    pace = clock.pace
+    pace1, pace2, nu1, nu2 = pace[0], pace[1], pace[2], pace[3]
     (double1, double2), modes = clock.doubled, clock.modes
     first, turn1 = whole_turns(pace1 * time)
     second, turn2 = whole_turns(pace2 * time)

@@ -37,38 +37,31 @@ class TorusSeries:
     """The function S of an F with the :func:`spectrum` ``grid``, with S = 0 at the phases (0, 0). ``frequencies`` are
     the turns of both phases per unit of τ, as wide numbers.
 
-    Coefficients of F below ``noise`` times the largest are left out. Slow modes are divided by their small rates: a
-    spectrum in long doubles has the digits for that. PrecisionLoss where a mode (k, m) of F is in resonance:
-    kν₁ + mν₂ = 0. Coefficients below ``rounding`` times the largest are not examined for resonance.
+    Coefficients of F below ``noise`` times the largest are left out. PrecisionLoss where a mode (k, m) of F above
+    ``rounding`` times the largest is in resonance: kν₁ + mν₂ = 0.
     """
 
     def __init__(
-        self, grid: np.ndarray, frequencies: tuple[Real, Real], noise: float = 2.0**-54, rounding: float | None = None
+        self, grid: np.ndarray, frequencies: tuple[Real, Real], noise: float = 2.0**-54, rounding: float = 2.0**-49
     ) -> None:
-        if rounding is None:
-            rounding = 8 * float(np.finfo(grid.dtype).eps)
-        self.mean = float(grid[0, 0].real)
-        self.frequencies = frequencies
-        columns = grid.shape[1]
-        half = half_plane(grid)
-        self._first = -(columns // 2)
-        self._slope = half.astype(complex)
-        # modes with k > 0 are doubled, since they stand for their conjugates too
+        rows, columns = grid.shape
+        self.frequencies, self._first, self.mean = frequencies, -(columns // 2), float(grid[0, 0].real)
+        # modes with k > 0, or with k = 0 and m > 0, are doubled, since they stand for their conjugates too
+        self._slope = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
+        self._slope[1:] *= 2
+        self._slope[0, columns // 2 + 1 :] *= 2
         sizes = np.abs(self._slope)
         largest = max(float(sizes[0, : 1 - self._first].max()), float(sizes[1:].max(initial=0)) / 2)
-        kept = sizes > rounding * largest
-        # in the row k = 0 the modes m > 0 stand for those of m < 0
+        self._kept = kept = sizes > rounding * largest
         kept[0, : columns // 2 + 1] = False
-        self._kept = kept
         turns = self._turns(kept)
         self._swing = np.zeros_like(self._slope)
-        self._swing[kept] = half[kept] / (2j * pi * turns[kept])
-        swings = np.abs(self._swing)
+        self._swing[kept] = self._slope[kept] / (2j * pi * turns[kept])
         kept &= sizes > noise * largest
         self._swing[~kept] = 0
         # S + origin has mean 0
         self.origin = float(self._swing[kept].real.sum())
-        self.bound = float(swings[kept].sum()) + abs(self.origin)
+        self.bound = float(np.abs(self._swing).sum()) + abs(self.origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:
         """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
@@ -250,15 +243,6 @@ def powers(first: acb, base: acb, count: int) -> list[acb]:
         out += [x * base for x in out]
         base = base * base
     return out[:count]
-
-
-def half_plane(grid: np.ndarray) -> np.ndarray:
-    """The modes with k ≥ 0, doubled to account for their conjugates, and m from −columns/2 to columns/2."""
-    rows, columns = grid.shape
-    half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
-    half[1:] *= 2
-    half[0, columns // 2 + 1 :] *= 2
-    return half
 
 
 def in_resonance(k: int, m: int) -> PrecisionLoss:

@@ -127,16 +127,11 @@ def theta_weights(
     arguments are those of :class:`Lattice`. Returns whether the series are real up to a constant factor.
     """
     half, inverse = sums.inverse[0] / 2, sums.inverse
-    base, mixed = exponential(-(half * shape[0] / 4), inverse), half * shape[1] / 2
+    first, second = exponential(-(half * shape[0] / 4), inverse), exponential(-(half * shape[2] / 4), inverse)
     if shape[0] == 0:
-        base = 0 * base
-    bases = (
-        base,
-        exponential(-(half * shape[2] / 4), inverse),
-        exponential(-mixed, inverse),
-        exponential(mixed, inverse),
-    )
-    lattice = Lattice(bases, (half * shape[3], half * shape[4]), turns, least, last)
+        first = 0 * first
+    mixed, other = exponential(-(half * shape[1] / 2), inverse), exponential(half * shape[1] / 2, inverse)
+    lattice = Lattice((first, second, mixed, other), (half * shape[3], half * shape[4]), turns, least, last)
     classes, rows, _ = sums.sizes
     zero, real = 0 * lattice.bases[0], True
     for n in range(len(sums.table)):
