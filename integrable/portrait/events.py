@@ -14,8 +14,6 @@ from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, sh
 from jacobian.fields.multiprecision import Mpf
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
-VectorsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""A function from N times to both vectors of the states, γ and M or q and p, each of shape (N, n)."""
 # number of panels that are searched together
 PANELS = 512
 # the largest number of panels of one search, each of which takes some ten microseconds
@@ -50,7 +48,7 @@ def event_times(flow: Any, condition: Condition, start: Number, end: Number, dir
     length = floats._panel(float(first), float(last))
 
     def column(times: np.ndarray) -> np.ndarray:
-        return _values(floats._states, condition, times)[:, None]
+        return _values(floats, condition, times)[:, None]
 
     stretches = _stretches(length, float(first), float(last))
     found = [zeros(Panels(column, left, right, length, TOLERANCE)) for left, right in stretches]
@@ -79,8 +77,8 @@ def _stretches(length: float, first: float, last: float) -> Iterator[tuple[float
         first = end
 
 
-def _values(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
-    values = np.asarray(condition(*states(times)))
+def _values(flow: Any, condition: Condition, times: np.ndarray) -> np.ndarray:
+    values = np.asarray(condition(*flow._states(times)))
     if values.shape != (len(times),):
         raise ArgumentError(
             f"condition: values of shape {values.shape} for {len(times)} states; one number for each is needed"
@@ -105,7 +103,7 @@ def _polished(
     for _ in range(MOST_STEPS):
         if not len(times):
             return times
-        steps = _values(flow._states, condition, times) / rates
+        steps = _values(flow, condition, times) / rates
         sizes = np.abs(steps).astype(float)
         # a zero is accurate to rounding once a step is hardly shorter than the one before
         moving = (sizes < before / 2) & (sizes < NEAR * halves)

@@ -81,11 +81,10 @@ class PanelRates:
 
     def _packed(self, rows: Sequence[Row]) -> np.ndarray:
         """Rows of bare reals as double-doubles, shape (rows, numbers, 2)."""
+        exact = np.array(rows, dtype=object)
+        high = exact.astype(float)
         with self._setup.reals:
-            high = [[float(x) for x in row] for row in rows]
-            low = [
-                [float(x - h) for x, h in zip(row, floats, strict=True)] for row, floats in zip(rows, high, strict=True)
-            ]
+            low = (exact - high).astype(float)
         return np.stack([high, low], axis=-1)
 
 

@@ -181,7 +181,8 @@ class LongSeries:
         level, found = self._levels[digits], []
         for begin in range(0, len(angles), TOGETHER):
             some = angles[begin : begin + TOGETHER]
-            tails = self._tails(some, level)
+            first, second = np.array(some, dtype=float).T
+            tails = self.rough._sums(first, second, level.tail)[0].tolist() if level.tail.size else [0.0] * len(some)
             with self._balls.at(level.bits):
                 left, right = zip(*(map(self._circle, pair) for pair in some), strict=True)
                 down = self._flint.acb_mat([powers(z**0, z, level.modes.nrows()) for z in left]) * level.modes
@@ -190,20 +191,14 @@ class LongSeries:
                     found.append(self._balls.element(self._field, total.real - self._origin + tail))
         return found
 
-    def _tails(self, angles: list[tuple[Real, Real]], level: SeriesLevel) -> list[float]:
-        if not level.tail.size:
-            return [0.0] * len(angles)
-        first, second = np.array(angles, dtype=float).T
-        sums: list[float] = self.rough._sums(first, second, level.tail)[0].tolist()
-        return sums
-
     def _level(self, digits: int | None) -> SeriesLevel:
         """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
         fraction of the noise.
         """
         noise = self._noise if digits is None else 10.0**-digits
-        kept, tail = self._kept.copy(), np.zeros((0, 0))
+        kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits
         if noise > TINY:
+            bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
             swing = np.abs(self.rough._swing)
             if digits is not None:
                 kept &= ~_adding_up(swing, noise * self._size / 4)
@@ -218,9 +213,6 @@ class LongSeries:
         )
         zero = self._flint.acb(0)
         modes = [[self._modes[k][m] if kept[k, m] else zero for m in range(least, end)] for k in range(height)]
-        bits = self._balls.bits
-        if noise > TINY:
-            bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
         return SeriesLevel(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
 
     def _circle(self, angle: Real) -> acb:
