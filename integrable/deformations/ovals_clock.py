@@ -14,12 +14,12 @@ import numpy as np
 from integrable.deformations.oval import Pace
 from integrable.torus.long_clock import LongClock, phases
 from integrable.torus.oval_modes import Modes
-from integrable.torus.series import circle_of, fourier, powers
+from integrable.torus.series import SPARE_BITS, circle_of, fourier, powers
 from jacobian import MP
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
-from jacobian.numbers.long_reals import BallReals
+from jacobian.numbers.long_reals import BallReals, BareReals
 
 # the largest number of modes at USUAL_DIGITS digits, about a second of set-up; with more digits it is smaller
 MOST_MODES, USUAL_DIGITS = 1 << 16, 60
@@ -137,8 +137,10 @@ def _transformed(values: np.ndarray, count: int, bits: int) -> np.ndarray:
         np.concatenate([values[:, width:], 0 * values[:, : 2 * width - values.shape[1]]], axis=1),
     )
     real, imaginary = (np.concatenate([x, x[-2:0:-1]]) for x in halves)
-    parts = fourier(real, imaginary, circle_of(2 * count, bits), bits)
-    result: np.ndarray = np.concatenate([x[: count + 1] for x in parts], axis=1)[:, : values.shape[1]] // count
+    with (reals := BareReals(bits + SPARE_BITS)):
+        found = fourier(real + imaginary * reals.i, circle_of(2 * count))[: count + 1]
+    parts = [np.frompyfunc(part, 1, 1)(found) for part in (lambda z: int(z.real), lambda z: int(z.imag))]
+    result: np.ndarray = np.concatenate(parts, axis=1)[:, : values.shape[1]] // count
     result[[0, -1]] = result[[0, -1]] // 2
     return result
 

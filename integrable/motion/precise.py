@@ -344,7 +344,7 @@ class BodyCarrier(Carrier):
             if x != 0:
                 step = setup.translations.near(sign * x * setup.bare.half_step)
                 point = addition.shift(setup.bare.f, setup.bare.axes, point, step)
-            return setup.reals.plain_row(point)
+            return point
 
     def vectors(self, point: Sequence[Real]) -> tuple[Vector[Real], Vector[Real]]:
         setup, bare = self.setup, self.setup.bare

@@ -266,15 +266,14 @@ class PanelClock(RatePanels):
         """The mean of 1/g over a cell."""
         if cell not in self._means:
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
-            self._means[cell] = self._setup.reals.plain(sum(map(mul, self._rule.weights, values)) / 2)
+            self._means[cell] = sum(map(mul, self._rule.weights, values)) / 2
         return self._means[cell]
 
     def _coefficients(self, cell: int) -> list[Real]:
         """The Legendre series of 1/g over a cell; Unresolved if its last coefficients are too large."""
         if cell not in self._series:
-            plain = self._setup.reals.plain
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
-            series = list(map(plain, self._rule.coefficients(values)))
+            series = self._rule.coefficients(values)
             if not self._resolves(series[0], series[-2:], self._digits):
                 raise Unresolved
             if len(self._series) >= KEPT_SERIES:

@@ -36,11 +36,7 @@ def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
     """The moving point after the addition of a translation, uncorrected: the sum of the divisors, and
     every pair by the addition law of lifts (:func:`pair`).
     """
-    divisor, transfer = add(
-        (f[0], f[1], f[2], f[3], f[4], f[5]),
-        (point[0], point[1], point[2], point[3]),
-        (step[0], step[1], step[2], step[3]),
-    )
+    divisor, transfer = add(curve_of(f), divisor_of(point), divisor_of(step))
     x1, y1 = pair(axes[0], axes[3], point[4], point[7], step[4], step[7], transfer)
     x2, y2 = pair(axes[1], axes[4], point[5], point[8], step[5], step[8], transfer)
     x3, y3 = pair(axes[2], axes[5], point[6], point[9], step[6], step[9], transfer)
@@ -51,7 +47,7 @@ def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
     """The point with every pair corrected towards κσ² = U, κσν = V and κν² = −W at its branch point,
     where W = (f − V²)/U.
     """
-    divisor = point[0], point[1], point[2], point[3]
+    divisor = divisor_of(point)
     rest = cofactor_at(f, divisor)
     x1, y1 = settled_pair(divisor, rest, axes[0], axes[3], point[4], point[7], trust)
     x2, y2 = settled_pair(divisor, rest, axes[1], axes[4], point[5], point[8], trust)
@@ -129,11 +125,7 @@ def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
     """1/g after the addition of a translation. For an upright body only the chord is computed, not the sum."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
-    q, l1, l0 = chord(
-        (f[0], f[1], f[2], f[3], f[4], f[5]),
-        (point[0], point[1], point[2], point[3]),
-        (step[0], step[1], step[2], step[3]),
-    )
+    q, l1, l0 = chord(curve_of(f), divisor_of(point), divisor_of(step))
     k0 = l0 + (point[1] - step[1]) * l1
     total = 0 * l1
     for i in range(3):
@@ -154,7 +146,7 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     to the translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits if a 1 − dα_i is
     small.
     """
-    curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
+    curve, first = curve_of(f), divisor_of(point)
     height = 1 + d * (point[1] + d * point[0])
     slope, scale = d * d * (d * point[2] + point[3]), rate_at(axes, point) * height
     found = []
@@ -199,6 +191,16 @@ def put(point: Row, row: Row, place: int) -> None:
     row[place + 7], row[place + 8], row[place + 9] = point[7], point[8], point[9]
 
 
+def curve_of(row: Row) -> Row:
+    """The coefficients of f as a tuple; ``row`` begins with them."""
+    return row[0], row[1], row[2], row[3], row[4], row[5]
+
+
+def divisor_of(point: Row) -> Row:
+    """(u0, u1, v0, v1) of a moving point or translation."""
+    return point[0], point[1], point[2], point[3]
+
+
 def opposite(step: Row) -> Row:
     """The inverse of a translation."""
     return step[0], step[1], -step[2], -step[3], step[4], step[5], step[6], -step[7], -step[8], -step[9]
@@ -223,7 +225,7 @@ def march(f: Row, axes: Row, point: Row, step: Row, count: int) -> Row:
     for i in range(count):
         moved = carried(f, axes, moved, step)
         if i % 16 == 15:
-            u0, u1, v0, v1 = retracted((f[0], f[1], f[2], f[3], f[4], f[5]), (moved[0], moved[1], moved[2], moved[3]))
+            u0, u1, v0, v1 = retracted(curve_of(f), divisor_of(moved))
             moved = (u0, u1, v0, v1, moved[4], moved[5], moved[6], moved[7], moved[8], moved[9])
             moved = settled(f, axes, moved, 0.003)
     return moved

@@ -17,10 +17,18 @@ from jacobian.numbers.double_double import exact_product, split
 
 # bits of the constants of closed forms in long doubles
 WIDE_BITS = 160
-# beyond this many turns a float holds no digits of the phase
+# at a time of this many turns, neighbouring floats of the time are a quarter of a turn apart
 MOST_TURNS = 2.0**50
 # largest number of Newton steps to a zero in long doubles, including a bisection for each bit
 PASSES = 80
+
+
+def too_many_turns(time: float, turns: float, most: float = MOST_TURNS) -> PrecisionLoss:
+    """The error for a time in which a phase makes more than ``most`` turns."""
+    return PrecisionLoss(
+        f"time {time}: {turns:.1e} turns of a phase are more than the {most:.1e} whose fractions double-double numbers "
+        "hold; use more digits"
+    )
 
 
 class LongDoubles:
@@ -65,11 +73,7 @@ class LongDoubles:
             scaled = np.ldexp(values if rate else 0 * values, exponent)
         if not np.abs(scaled).max(initial=0) < MOST_TURNS:
             farthest = float(np.abs(values).max())
-            turns = abs(farthest * float(rate))
-            raise PrecisionLoss(
-                f"time {farthest}: {turns:.1e} turns of a phase are more than the {MOST_TURNS:.1e} "
-                "whose fractions double-double numbers hold; use more digits"
-            )
+            raise too_many_turns(farthest, abs(farthest * float(rate)))
         product, error = exact_product(scaled, high)
         whole = np.rint(product)
         rest = (product - whole).astype(self._kind) + error + scaled.astype(self._kind) * low + self.number(start)

@@ -33,7 +33,8 @@ CONVOLVED = 6.6
 LARGEST_RADIUS = 4.0
 # bits of bounds on complex discs and of majorants, which need few
 BOUND_BITS = 64
-# half a step is halved once more per this many bits; each halving widens balls by about 14 bits
+# a translation is computed by its series at a time that is halved once more per this many bits; each doubling back
+# widens balls by about 14 bits
 HALVED_ONCE_MORE = 300
 
 
@@ -70,7 +71,6 @@ class Balls(InexactField["arb | acb"]):
         return self._acb(self.reals.number(value.real), self.reals.number(value.imag))
 
     def sqrt(self, x: arb | acb) -> arb | acb:
-        """√x."""
         return x.sqrt()
 
     def nearest(self, x: arb | acb) -> int:
@@ -146,11 +146,7 @@ class BallTranslations(Translations):
         rest = part**terms / ((1 - part) * (terms + 1) ** 2)
         return tuple(around(x, rest * size) for x, size in zip(sums, self._sizes, strict=True))
 
-    def _plain(self, step: Sequence[arb]) -> tuple[arb, ...]:
-        return tuple(step)
-
     def sum(self, first: tuple[arb, ...], second: tuple[arb, ...]) -> tuple[arb, ...]:
-        """The sum of two translations."""
         return carried(self.f, self.axes, first, second)
 
 

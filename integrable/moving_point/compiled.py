@@ -18,10 +18,7 @@ def leading_parts(b: Expressions, x: Value) -> Value:
     return b.rounded(x)
 
 
-SPECIAL: dict[Callable[..., object], Callable[..., Value]] = {
-    **SPECIAL_NUMBERS,
-    addition.leading: leading_parts,
-}
+SPECIAL: dict[Callable[..., object], Callable[..., Value]] = {**SPECIAL_NUMBERS, addition.leading: leading_parts}
 _POINT = TupleKind((FLOAT,) * 10)
 LIBRARY = Library(
     "moving_point",

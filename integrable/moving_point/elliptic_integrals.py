@@ -24,26 +24,6 @@ Array = np.ndarray
 SMALL = 1e-3
 
 
-def first_kind_swing(N: LongDoubles | Multiprecision, x: Array, k: Any, missing: Real) -> Array:
-    """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2, K = F(π/2 | m). The relative error is of rounding size,
-    although the value itself is only of the order of m.
-
-    ``missing`` = 1 − k. The value is a weighted sum of the changes of x in descending Landen transformations
-    (Abramowitz & Stegun 17.6).
-    """
-    a, b, difference, total, weight = 1 + 0 * k, k, missing, 0 * x, 1 + 0 * k
-    while True:
-        s, c = N.sin(x), N.cos(x)
-        change = -N.arctan2(difference * s * c, a * c * c + b * s * s)
-        weight /= 2
-        total = total + weight * change
-        x = 2 * x + change
-        roots = N.sqrt(a) + N.sqrt(b)
-        a, b, difference = (a + b) / 2, N.sqrt(a * b), (difference / roots) ** 2 / 2
-        if abs(difference) <= N.eps**2 * a:
-            return total / a
-
-
 def carlson_j(N: LongDoubles | Multiprecision, x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
     """R_J(x, y, z, p) = (3/2)∫dt/((t+p)√((t+x)(t+y)(t+z))), p > 0; ``product`` = (p − x)(p − y)(p − z) ≥ 0."""
     mean = start = (x + y + z + 2 * p) / 5
@@ -107,11 +87,26 @@ class FirstKind:
         self.k, self.missing, self.quarter, self._numbers = k, missing, quarter, N
 
     def swing(self, x: Array) -> Array:
-        """F(x | m) − (2K/π)x."""
-        return first_kind_swing(self._numbers, x, self.k, self.missing) if self.missing else 0 * x
+        """F(x | m) − (2K/π)x. The relative error is of rounding size, although the value is only of the order of m.
+
+        The value is a weighted sum of the changes of x in descending Landen transformations (Abramowitz & Stegun 17.6).
+        """
+        N: Any = self._numbers
+        a, b, difference = 1 + 0 * self.k, self.k, self.missing
+        total, weight = 0 * x, a
+        while True:
+            s, c = N.sin(x), N.cos(x)
+            change = -N.arctan2(difference * s * c, a * c * c + b * s * s)
+            weight = weight / 2
+            total = total + weight * change
+            x = 2 * x + change
+            roots = N.sqrt(a) + N.sqrt(b)
+            a, b, difference = (a + b) / 2, N.sqrt(a * b), (difference / roots) ** 2 / 2
+            if abs(difference) <= N.eps**2 * a:
+                found: Array = total / a
+                return found
 
     def at(self, x: Array) -> Array:
-        """F(x | m)."""
         return 2 * self.quarter / self._numbers.pi * x + self.swing(x)
 
     def inverse(self, v: Array) -> Array:
@@ -151,7 +146,12 @@ def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, 
     """
     rest, values = third
     scale = 2 + 0 * points[0]
-    while apart(points, gap, values, near):
+    # the method ends when both ovals are short compared with their distance, and R hardly varies over either of them
+    while (
+        max(points[1] - points[0], points[3] - points[2]) > near * gap
+        or abs(values[0] - values[1]) > near * abs(values[0])
+        or abs(values[2] - values[3]) > near * abs(values[2])
+    ):
         points, gap, rest, values, factor = richelot(points, gap, rest, values)
         scale *= factor
     p1, p2, q1, q2 = points
@@ -162,18 +162,6 @@ def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, 
     x = (q1 + q2) / 2
     out[2] = scale * pi / root(abs((x - p1) * (x - p2) * (r0 + x * (r1 + x * r2))))
     out[3] = out[2] * x
-
-
-def apart(points: Row, gap: Real, values: Row, near: Real) -> bool:
-    """Whether an oval is still too long: R varies over it, or its length is not negligible compared with the distance
-    between the ovals.
-
-    ``points`` are the ends of the ovals, ``values`` the values of R there.
-    """
-    long: bool = max(points[1] - points[0], points[3] - points[2]) > near * gap
-    first: bool = abs(values[0] - values[1]) > near * abs(values[0])
-    second: bool = abs(values[2] - values[3]) > near * abs(values[2])
-    return long or first or second
 
 
 def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real, Row, Row, Real]:

@@ -10,7 +10,7 @@ from integrable.phase.body import energy
 from integrable.phase.coordinates import directions_of
 from jacobian.element import Real
 
-# stands for an infinite decimal exponent; −NOTHING means no loss
+# NOTHING and −NOTHING stand for the decimal exponents of infinity and of 0
 NOTHING = 10**9
 
 
@@ -62,9 +62,6 @@ def digits_of(x: Real) -> int:
         return -NOTHING
     if not x < 1e9:
         return NOTHING
-    size = float(x)
-    if size > 1e-290:
-        return ceil(log10(size))
     scale = 0
     while x < 1e-290:
         x, scale = x * 1e280, scale - 280

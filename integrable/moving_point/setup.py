@@ -132,8 +132,8 @@ class Setup:
             known = self._passed.get(sign * done)
             if known is None:
                 with self.reals:
-                    moved = shift(self.bare.f, self.bare.axes, point, step if sign > 0 else opposite(step))
-                    known = self._passed[sign * done] = self.reals.plain_row(moved)
+                    known = shift(self.bare.f, self.bare.axes, point, step if sign > 0 else opposite(step))
+                self._passed[sign * done] = known
             point = known
         return point
 

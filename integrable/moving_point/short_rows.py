@@ -184,11 +184,6 @@ def new_room(motion: FloatMotion, wide: Row, floats: Row, made: Row) -> ShortRoo
     )  # fmt: skip
 
 
-def curve_of(row: Row) -> Row:
-    """The coefficients of f as a tuple."""
-    return row[0], row[1], row[2], row[3], row[4], row[5]
-
-
 def axes_of(row: Row) -> Row:
     """The numbers ``axes`` of :mod:`integrable.moving_point.addition` as a tuple."""
     return row[6], row[7], row[8], row[9], row[10], row[11], row[12], row[13]

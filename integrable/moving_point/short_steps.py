@@ -9,6 +9,7 @@ from math import sqrt
 from integrable.moving_point.addition import (
     Row,
     carried,
+    curve_of,
     moving_point,
     noise,
     opposite,
@@ -35,7 +36,6 @@ from integrable.moving_point.short_rows import (
     Rule,
     ShortRoom,
     axes_of,
-    curve_of,
     unit_axes,
 )  # fmt: skip
 from integrable.moving_point.translations import Expansion, expand_orders, high_parts
@@ -290,12 +290,10 @@ def inner(r: Vector[Real], x: Vector[Real], y: Vector[Real]) -> Real:
 
 
 def times_each(x: Vector[Real], y: Vector[Real]) -> Vector[Real]:
-    """The three products x_i·y_i."""
     return x[0] * y[0], x[1] * y[1], x[2] * y[2]
 
 
 def times(k: Real, x: Vector[Real]) -> Vector[Real]:
-    """k·x."""
     return k * x[0], k * x[1], k * x[2]
 
 
@@ -363,24 +361,19 @@ def node_values(
     values: Row,
     rates: Row,
 ) -> None:
-    """Writes γ, w and 1/g at the nodes about a point, by one addition each. The translations begin at ``place`` of
-    ``steps``; ``mirrored`` takes them in reverse order, for time that runs backward.
+    """Writes γ, w and 1/g at the nodes about a point, by one addition each. ``motion`` has f, ``axes``, and the r_i
+    with their rounding errors after them. The translations begin at ``place`` of ``steps``; ``mirrored`` takes them in
+    reverse order, for time that runs backward.
     """
     (f, axes, r), count = motion, len(rates)
     for j in abreast(0, count):
         k = place + 10 * (count - 1 - j if mirrored else j)
         there = carried(f, axes, point, moving_point(steps, k))
-        rates[j] = float(rate_at(axes, there) * evened(r, there))
+        # Σrσ² differs from 1 only by a rounding error that all three σ have in common
+        x, y, z = there[4] * there[4], there[5] * there[5], there[6] * there[6]
+        off = (r[0] * x + r[1] * y + r[2] * z - 1) + (r[3] * x + r[4] * y + r[5] * z)
+        rates[j] = float(rate_at(axes, there) * (1 + off / 2))
         put_gamma_and_w(there, values, j, count)
-
-
-def evened(r: tuple[Real, ...], point: tuple[Real, ...]) -> Real:
-    """√Σrσ², which differs from 1 only by a common rounding error of all σ. ``r`` holds r_i, then their rounding
-    errors.
-    """
-    x, y, z = point[4] * point[4], point[5] * point[5], point[6] * point[6]
-    off = (r[0] * x + r[1] * y + r[2] * z - 1) + (r[3] * x + r[4] * y + r[5] * z)
-    return 1 + off / 2
 
 
 def put_gamma_and_w(point: tuple[Real, ...], values: Row, place: int, stride: int) -> None:

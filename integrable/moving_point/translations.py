@@ -44,17 +44,17 @@ class Translations:
 
     def _expansion(self, rest: int) -> tuple[Expansion, float]:
         """The :class:`Expansion` for half a step divided by 2^``rest``, and its radius in half steps."""
-        if rest not in self._expansions:
-            self._expansions[rest] = self._expanded(rest)
-        return self._expansions[rest]
-
-    def _expanded(self, rest: int) -> tuple[Expansion, float]:
+        if rest in self._expansions:
+            return self._expansions[rest]
         radius = self._estimated_radius()
         while True:
+            count = self._terms(radius, 2.0**-rest)
+            rows = expansion_of([self.reals.number(0)] * (7 * count))
             with self.reals:
-                found = self._orders(self._terms(radius, 2.0**-rest))
-                if self._ends(found, (self.half_step / 2**rest) ** 2, radius):
-                    return found, radius
+                expand_orders(self.f, rows, 0, count)
+                if self._ends(rows, (self.half_step / 2**rest) ** 2, radius):
+                    self._expansions[rest] = rows, radius
+                    return rows, radius
             radius *= 0.75
 
     def _estimated_radius(self) -> float:
@@ -73,12 +73,6 @@ class Translations:
         """
         least = square ** (len(rows.u0) - 1) * 2**self.reals.bits
         return all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in rows[:4])
-
-    def _orders(self, count: int) -> Expansion:
-        """The first orders of the expansion."""
-        rows = expansion_of([self.reals.number(0)] * (7 * count))
-        expand_orders(self.f, rows, 0, count)
-        return rows
 
     def _terms(self, radius: float, size: float) -> int:
         """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
@@ -112,16 +106,13 @@ class Translations:
         v0, v1 = v0 * eps, v1 / eps
         sigma = [root((a + u1) * a + u0) for a in self.axes[:3]]
         nu = ((v0 + v1 * a) / x for a, x in zip(self.axes[:3], sigma, strict=True))
-        return self._plain((u0, u1, v0, v1, *sigma, *nu))
+        return u0, u1, v0, v1, *sigma, *nu
 
     def _whole(self, sums: Row, terms: int, square: Real) -> Row:
         """The four series at eps² = ``square``, from the ``sums`` of their first ``terms`` terms. Here these are the
         series to the last digit; a subclass adds bounds of the remainders.
         """
         return sums
-
-    def _plain(self, step: Row) -> tuple[Real, ...]:
-        return self.reals.plain_row(step)
 
     def level(self, k: int) -> tuple[int, tuple[Real, ...]]:
         """(n, the translation by n basic steps): n = 1 for k = 0, and about 2n for the next k.
@@ -146,7 +137,8 @@ class Translations:
     def sum(self, first: tuple[Real, ...], second: tuple[Real, ...]) -> tuple[Real, ...]:
         """The sum of two translations."""
         with self.reals:
-            return self._plain(shift(self.f, self.axes, first, second))
+            found: tuple[Real, ...] = shift(self.f, self.axes, first, second)
+        return found
 
     def at_nodes(self, nodes: list[Real], length: int) -> list[tuple[Real, ...]]:
         """T at the nodes of a panel of ``length`` basic steps. ``nodes`` lie in [−1, 1], symmetric about 0, and do not

@@ -25,17 +25,13 @@ Finer = Callable[[list[Real], MultiprecisionField], Pairs]
 # the second run has WIDER more digits than the first, and at least LEAST
 WIDER = 15
 LEAST = 30
-# by default the last SLACK of the field's digits need not agree, over floats the last FLOAT_SLACK
+# by default all digits of MP(digits) but the last SLACK must agree, and all digits of floats but the last FLOAT_SLACK
 SLACK = 1
 FLOAT_SLACK = 3
 
 
 def agreement(
-    field: RealField | MultiprecisionField,
-    run: Run[Any],
-    finer: Finer,
-    digits: int | None,
-    unit: Real | None = None,
+    field: RealField | MultiprecisionField, run: Run[Any], finer: Finer, digits: int | None, unit: Real | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The errors of the states of a ``run``, and how many digits of each agree with ``finer``.
 

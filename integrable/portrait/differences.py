@@ -22,8 +22,8 @@ FlowMap = Callable[[np.ndarray, MultiprecisionField], np.ndarray]
 # extra digits of the motions, and the largest number of attempts. An attempt assumes the size of the derivatives that
 # the previous one found
 GUARD, ATTEMPTS = 8, 6
-# the weights of values in quotients of second order, by the number of steps: an input that must not decrease has
-# one-sided quotients
+# {offset in steps: weight of the value there} in difference quotients of second order. An input that must not decrease
+# has one-sided quotients
 CENTRAL, ONE_SIDED = {1: 1, -1: -1}, {0: -3, 1: 4, 2: -1}
 
 

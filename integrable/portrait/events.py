@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,6 @@ from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, sh
 from jacobian.fields.multiprecision import Mpf
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
-VectorsAt = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""A function from N times to both vectors of the states, γ and M or q and p, each of shape (N, n)."""
 # number of panels that are searched together
 PANELS = 512
 # the largest number of panels of one search, each of which takes some ten microseconds
@@ -48,9 +45,13 @@ def event_times(flow: Any, condition: Condition, start: Number, end: Number, dir
     if not first < last:
         raise ArgumentError(f"start = {shown(start)}, end = {shown(end)}: a time after start is needed")
     direction = one_of(direction, "direction", (-1, 0, 1), "1 for rising zeros, −1 for falling ones, 0 for both")
-    found, length = [], floats._panel(float(first), float(last))
-    for left, right in _stretches(length, float(first), float(last)):
-        found.append(zeros(Panels(partial(_column, floats._states, condition), left, right, length, TOLERANCE)))
+    length = floats._panel(float(first), float(last))
+
+    def column(times: np.ndarray) -> np.ndarray:
+        return _values(floats, condition, times)[:, None]
+
+    stretches = _stretches(length, float(first), float(last))
+    found = [zeros(Panels(column, left, right, length, TOLERANCE)) for left, right in stretches]
     # a zero at the end of a stretch is also found in the next one
     times, slopes, halves = distinct(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     kept = (direction * slopes >= 0) & (slopes != 0)
@@ -76,12 +77,8 @@ def _stretches(length: float, first: float, last: float) -> Iterator[tuple[float
         first = end
 
 
-def _column(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
-    return _values(states, condition, times)[:, None]
-
-
-def _values(states: VectorsAt, condition: Condition, times: np.ndarray) -> np.ndarray:
-    values = np.asarray(condition(*states(times)))
+def _values(flow: Any, condition: Condition, times: np.ndarray) -> np.ndarray:
+    values = np.asarray(condition(*flow._states(times)))
     if values.shape != (len(times),):
         raise ArgumentError(
             f"condition: values of shape {values.shape} for {len(times)} states; one number for each is needed"
@@ -106,7 +103,7 @@ def _polished(
     for _ in range(MOST_STEPS):
         if not len(times):
             return times
-        steps = _values(flow._states, condition, times) / rates
+        steps = _values(flow, condition, times) / rates
         sizes = np.abs(steps).astype(float)
         # a zero is accurate to rounding once a step is hardly shorter than the one before
         moving = (sizes < before / 2) & (sizes < NEAR * halves)

@@ -36,7 +36,7 @@ from jacobian.numbers.long_reals import BallReals
 def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     """The secular part at times for a system whose phases are linear in t; its shape is that of the derivatives."""
     (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
-    # no phase or action gives the angle of a turn about an axis, or the position of a lattice's centre
+    # phases and actions determine neither an angle about an axis nor the centre of mass of a lattice
     free = 2 * flow.system.size - sum(" = " in name for name in flow.system._constraint_names)
     if portrait.actions is None or free != 2 * flow._genus:
         raise NotRepresentable(f"secular: the phases of {flow.system!r} and its actions do not determine a state")

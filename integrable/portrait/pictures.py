@@ -70,12 +70,8 @@ def section_figure(of: Any) -> Figure:
         widths = [1.2 if x == a2 else 0.6 for x in others]
         ax.contour(phi, height, zeta, levels=others, colors="0.6", linewidths=widths)
     ax.plot(of.phi, of.momentum, "o", color=COLORS[0], markersize=2.5)
-    ax.set(
-        xlabel="φ of γ̃ across the axis, radians",
-        ylabel="M̃ along the axis / |M̃|",
-        xlim=(-np.pi, np.pi),
-        ylim=(-1.02, 1.02),
-    )
+    ax.set(xlabel="φ of γ̃ across the axis, radians", ylabel="M̃ along the axis / |M̃|")
+    ax.set(xlim=(-np.pi, np.pi), ylim=(-1.02, 1.02))
     ax.set_title(f"γ̃ across axis {of.axis + 1}: {len(of)} crossings")
     return figure
 

@@ -88,14 +88,16 @@ class PointOval(NamedTuple):
 
     @property
     def decay(self) -> float:
-        """The rate at which Fourier modes in φ decrease, for a function that is singular at the other branch points."""
+        """The rate r of decrease, e^(−rn), of the Fourier modes in φ of a function of x that is singular at the other
+        branch points.
+        """
+        middle, radius = float(self.middle), float(self.radius)
+        if not radius:
+            return math.inf
         roots = [complex(float(e), 0 if s is None else math.sqrt(float(s))) for e, s in self.others]
-        middle, radius, rate = float(self.middle), float(self.radius), math.inf
-        for e in roots:
-            z = abs(e - middle - radius) + abs(e - middle + radius)
-            # Fourier modes decay at a rate given by the Bernstein ellipse through e
-            rate = min(rate, math.acosh(max(1.0, z / (2 * radius))) if radius else math.inf)
-        return rate
+        # the nearest branch point lies on a Bernstein ellipse, whose semi-axes are radius·cosh r and radius·sinh r
+        major = min((abs(e - middle - radius) + abs(e - middle + radius) for e in roots), default=math.inf) / 2
+        return math.acosh(max(1.0, major / radius))
 
 
 class Pole(NamedTuple):

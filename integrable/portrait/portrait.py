@@ -186,18 +186,8 @@ class Portrait(Immutable):
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
 
-        names = (
-            "region",
-            "axis",
-            "distance",
-            "frequencies",
-            "rotation_number",
-            "precession",
-            "spin",
-            "polhode",
-            "drift",
-        )
-        return named("what the motion is", [(name, getattr(self, name)) for name in names])
+        names = "region axis distance frequencies rotation_number precession spin polhode drift"
+        return named("what the motion is", [(name, getattr(self, name)) for name in names.split()])
 
     def __repr__(self) -> str:
         f1, f2 = (float(f) for f in self.frequencies)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,7 +40,7 @@ MOST_CROSSINGS = 10**6
 ON = 1e-12
 # the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
-# the number of digits of a τ in floats, which Newton's method doubles
+# the number of right digits of the first τ, which is computed in floats; each step of Newton's method doubles it
 ROUGH_DIGITS = 12
 
 
@@ -107,52 +107,47 @@ class BodySection(Section):
         return table(repr(self), ["τ", "φ", "M/|M|", "ϑ"], list(zip(*(x.tolist() for x in columns), strict=True)))
 
 
-class Turning(NamedTuple):
-    """The data of crossings. The ``frequencies`` of the points and their ``phases`` at the start are long numbers, in
-    turns. ``start`` are the angles of the points at the start, and ``sums`` the sums of forms over the points, which
-    grow at the ``rates``; these three are in floats.
+def turned(
+    count: int,
+    oval: int,
+    end: float,
+    motion: tuple[Sequence[Real], Sequence[Real]],
+    start: float,
+    sums: OvalAngles,
+    rates: np.ndarray,
+) -> tuple[list[Real], np.ndarray, np.ndarray]:
+    """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0 or
+    ½), the phases (N, g − 1) of the other points there, and their change per crossing.
+
+    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``start`` is
+    the angle φ of this point at the start. The ``sums`` of forms over the points grow at the ``rates``.
     """
-
-    frequencies: Sequence[Real]
-    phases: Sequence[Real]
-    start: np.ndarray
-    sums: OvalAngles
-    rates: np.ndarray
-
-    def crossings(self, count: int, oval: int, end: float) -> tuple[list[Real], np.ndarray, np.ndarray]:
-        """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0
-        or ½), the phases (N, g − 1) of the other points there, and their change per crossing.
-        """
-        count = whole(
-            count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS
-        )
-        nu, place = self.frequencies, self.phases
-        around = float(self.start[oval]) / (2 * math.pi) - end
-        ahead = nu[oval] > 0
-        first = math.floor(around + ON) + 1 if ahead else math.ceil(around - ON) - 1
-        turns = [first + n if ahead else first - n for n in range(count)]
-        begin = [(n + end - place[oval]) / nu[oval] for n in turns]
-        fractions = [[x - math.floor(x) for x in (p + f * t for p, f in zip(place, nu, strict=True))] for t in begin]
-        phases = np.array(fractions, dtype=float)
-        phases[:, oval] = end
-        late = self.sums.delays(phases, oval, self.rates)
-        others = [k for k in range(len(nu)) if k != oval]
-        rotation = np.array([float(nu[k] / nu[oval]) * (1 if ahead else -1) for k in others])
-        return [t + x for t, x in zip(begin, late.tolist(), strict=True)], phases[:, others], rotation
+    count = whole(count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS)
+    nu, place = motion
+    around = start / (2 * math.pi) - end
+    ahead = nu[oval] > 0
+    first = math.floor(around + ON) + 1 if ahead else math.ceil(around - ON) - 1
+    turns = [first + n if ahead else first - n for n in range(count)]
+    begin = [(n + end - place[oval]) / nu[oval] for n in turns]
+    fractions = [[x - math.floor(x) for x in (p + f * t for p, f in zip(place, nu, strict=True))] for t in begin]
+    phases = np.array(fractions, dtype=float)
+    phases[:, oval] = end
+    late = sums.delays(phases, oval, rates)
+    others = [k for k in range(len(nu)) if k != oval]
+    rotation = np.array([float(nu[k] / nu[oval]) * (1 if ahead else -1) for k in others])
+    return [t + x for t, x in zip(begin, late.tolist(), strict=True)], phases[:, others], rotation
 
 
 def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The times of the next ``count`` crossings, the phases of the other points, and their rotation, in floats."""
     genus = len(torus.ovals)
     oval = whole(oval, "oval", f"the number of an oval is an int from 0 to {genus - 1}", 0, genus - 1)
-    turns = 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
-    start, rates = (np.array(x, dtype=float) for x in (torus.start, torus.separation.rates))
-    motion = Turning(torus.tau_frequencies, torus.phases, start, torus.in_floats, rates)
-    tau, theta, rotation = motion.crossings(count, oval, turns)
+    half = 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
+    motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
+    tau, theta, rotation = turned(count, oval, half, motion, float(torus.start[oval]), torus.in_floats, rates)
     times = np.array([torus.slowness * t for t in tau], dtype=float)
     if torus.clock:
-        turned = (np.array([t * nu % 1 for t in tau], dtype=float) for nu in torus.tau_frequencies)
-        times += torus.clock.at(*turned)
+        times += torus.clock.at(*(np.array([t * nu % 1 for t in tau], dtype=float) for nu in torus.tau_frequencies))
     return times, theta, rotation
 
 
@@ -164,9 +159,8 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
     oval = AXES.index(one_of(axis, "axis", AXES, 'choose "largest" or "least" (moment)'))
     portrait, K = flow.portrait, flow.system.field
     angles, sums = portrait.wide_angles("section"), sums_over_ovals(portrait.level)
-    start = sums.at(np.array([angles], dtype=float))[0]
-    motion = Turning(portrait.wide_tau_frequencies, angles, start, sums, np.array([1.0, 0.0]))
-    tau, theta, rotation = motion.crossings(count, oval, 0.0)
+    start, motion = sums.at(np.array([angles], dtype=float))[0, oval], (portrait.wide_tau_frequencies, angles)
+    tau, theta, rotation = turned(count, oval, 0.0, motion, float(start), sums, np.array([1.0, 0.0]))
     axes = portrait.level.axes[::-1] if oval else portrait.level.axes
     run = _refined(flow, np.array([*map(K.coerce, tau)], dtype=float if K == RR else object), axes[0])
     return BodySection(run, theta[:, 0], float(rotation[0]), axes)

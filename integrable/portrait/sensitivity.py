@@ -162,14 +162,13 @@ class TorusVariations:
 
     def resolved(self, flow: Any, run: Any) -> Sensitivity | None:
         """The Sensitivity along a run of the flow; None if it has lost too many digits."""
-        found = self.at(run.times, run.tau, np.hstack([run.gamma, run.M]))
+        found = self._at(run)
         return found if _lost(flow, run, found.matrix) <= MOST_LOST else None
 
-    def at(self, times: np.ndarray, tau: np.ndarray, rows: np.ndarray) -> Sensitivity:
-        """The Sensitivity at ``times`` and ``tau``, where ``rows`` are the states γ and M."""
-        phases = self._torus.phases(times, True, self._doubled)
-        clock, steps = tau * self._pace, times * self._pace
-        here = Variation.at(self._body, self._scaled(rows))
+    def _at(self, run: Any) -> Sensitivity:
+        phases = self._torus.phases(run.times, True, self._doubled)
+        clock, steps = run.tau * self._pace, run.times * self._pace
+        here = Variation.at(self._body, self._scaled(np.hstack([run.gamma, run.M])))
         half = len(self._along)
         sums = together([self._sigma, *self._along, *self._across], *phases)
         sigma = sums[:, 0] + self._sigma.origin
@@ -183,14 +182,14 @@ class TorusVariations:
         a, b = a + a0 + clock[:, None] * mean_a, b + b0 + clock[:, None] * mean_b
         x, Y = here.fields[:, :, 0], here.fields[:, :, 1]
         Y = Y - sigma[:, None] * x
-        level = np.broadcast_to(self._gradient, (len(rows), 4, 10)).copy()
+        level = np.broadcast_to(self._gradient, (len(run), 4, 10)).copy()
         level[:, 2, 6:] -= here.energy
         found = here.inverse @ level + x[:, :, None] * a[:, None, :] + Y[:, :, None] * b[:, None, :]
         # on average τ is t divided by the mean of 1/g
         slow = float(self._torus.mean)
         secular = x[:, :, None] * mean_a / slow + Y[:, :, None] * mean_b / slow
         secular = steps[:, None, None] * secular
-        return Sensitivity(times, self._in_units(found), self._in_units(secular), "torus")
+        return Sensitivity(run.times, self._in_units(found), self._in_units(secular), "torus")
 
     def _in_units(self, found: np.ndarray) -> np.ndarray:
         rows = np.array([1.0] * 3 + [self._size] * 3)

@@ -186,8 +186,8 @@ class SeparatedTorus:
     def pair_at(self, N: FormulaField, halves: Halves, ends: Sequence[Real]) -> tuple[poly.Poly, poly.Poly, Halves]:
         """(U, V, [(σ, V(e)/σ) at each of the branch points ``ends``]), where σ² = |U(e)|, in the numbers of N.
 
-        ``halves`` are (sin ½φ, cos ½φ) of each point. σ changes its sign with the half angle of the point that turns
-        at e. Nothing is divided by a quantity that vanishes there.
+        ``halves`` are (sin ½φ, cos ½φ) of each point. If a point turns at e, σ has the sign of its sin ½φ (e is the
+        lower end of its oval) or of its cos ½φ (the upper end). No formula divides by a quantity that vanishes at e.
         """
         ovals = [oval.over(N) for oval in self.ovals]
         points = [o.middle - o.radius * (c * c - s * s) for o, (s, c) in zip(ovals, halves, strict=True)]
@@ -290,7 +290,7 @@ class SeparatedTorus:
                 for pole in self.poles[k][j]:
                     total += float(pole.mean) * pole.swings(phi)
             found.append(total)
-        return np.stack(found, axis=1) if found else np.zeros((len(angles), 0))
+        return np.array(found).reshape(len(found), len(angles)).T
 
     @property
     def swings_at_start(self) -> list[Real]:

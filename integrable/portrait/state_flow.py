@@ -125,7 +125,6 @@ class StateFlow(Generic[AnyRun]):
     # --- for subclasses
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
-        """The enclosure of the states at times, or at values of τ."""
         raise NotImplementedError
 
     def _states(self, times: Numbers) -> tuple[np.ndarray, np.ndarray]:

@@ -112,6 +112,4 @@ def _moved(rows: Array, spin: Array) -> Array:
 
 def _skew(v: Array) -> Array:
     """The matrices [v]× with [v]×x = v × x, shape (N, 3, 3)."""
-    zero = 0 * v[:, 0]
-    rows = [[zero, -v[:, 2], v[:, 1]], [v[:, 2], zero, -v[:, 0]], [-v[:, 1], v[:, 0], zero]]
-    return np.moveaxis(np.array(rows), 2, 0)
+    return np.cross(v[:, :, None], np.eye(3), axis=1)

@@ -89,7 +89,6 @@ class BodyTorus:
         return torus
 
     def _check(self, found: Row) -> None:
-        """Raises PrecisionLoss if the states are not those of the motion."""
         if not self.closure <= CLOSED:
             raise PrecisionLoss(f"the torus of this motion leads back to {self.closure:.1e} only; use more digits")
         frequencies = found[FREQUENCIES : FREQUENCIES + 2]
@@ -145,31 +144,31 @@ def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
 class TorusFlow(BodyTorus):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    PrecisionLoss where the torus is not compact, needs more than ``most`` samples of 1/g, or where the loops lose too
-    many digits.
+    PrecisionLoss where the torus is not compact, needs more than MOST_SAMPLES samples of 1/g, or where the loops lose
+    too many digits.
     """
 
     way = "torus"
 
-    def __init__(self, setup: Setup, loops: Loops, most: int = MOST_SAMPLES) -> None:
+    def __init__(self, setup: Setup, loops: Loops) -> None:
         super().__init__(setup, loops)
-        time_scale, half_step = loops.floats(self._problem[TIME_SCALE : HALF_STEP + 1])[
-            :: HALF_STEP - TIME_SCALE
-        ].tolist()
+        problem, (nu1, nu2, mean) = loops.floats(self._problem), loops.floats(self.rates[:3]).tolist()
+        # ``scale`` is one unit of the user's τ in units of the problem
+        rolls, scale = problem[HEAVINESS] != 0, float(problem[TIME_SCALE])
+        # the turns of both phases per unit of τ, and per unit of t
+        self._turns = [nu1, nu2]
+        self._turns_in_t = [nu1 / mean, nu2 / mean] if rolls else self._turns
+        if not all(map(isfinite, self._turns + self._turns_in_t)):
+            raise PrecisionLoss(BEYOND)
         # a basic step in units of τ
-        self._step = 2 * half_step / time_scale
+        self._step = 2 * float(problem[HALF_STEP]) / scale
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        if self._rolls:
-            turns, scale = self._turns, self._scale
-            spectrum = resolved_spectrum(loops, self.samples, self.first_grid(), most, turns, scale, loops.noise)
+        if rolls:
+            grid = self.samples, self.first_grid(), MOST_SAMPLES
+            spectrum = resolved_spectrum(loops, *grid, self._turns, scale, loops.noise)
             noise = max(self.closure, loops.noise / 64)
             self.clock = TorusClock(loops, spectrum, self.rates, scale, noise, self.doubled)
-
-    def _check(self, found: Row) -> None:
-        if not all(map(isfinite, self._turns)) or not all(map(isfinite, self._turns_in_t)):
-            raise PrecisionLoss(BEYOND)
-        super()._check(found)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """γ and M, and τ, at physical times: arrays of shapes (N, 6) and (N,).
@@ -201,13 +200,12 @@ class TorusFlow(BodyTorus):
         """Both phases at physical times, or at values of τ unless ``physical``. Each is divided by its entry of
         ``periods``, 1 or 2, and is determined modulo 1. The phases keep the digits that a rounded τ has lost.
         """
-        check_turns(times, self._turns_in_t if physical else self._turns)
-        rows = self.loops.room(2 * len(times))
         if physical and self.clock:
             check_turns(times, self._turns_in_t, self.clock.most)
             rows = self.clock.phases(times)[0]
         else:
-            self.loops.phases_at(self.rates, times, rows)
+            check_turns(times, self._turns)
+            self.loops.phases_at(self.rates, times, rows := self.loops.room(2 * len(times)))
         first, second = self.loops.floats(rows).reshape(-1, 2).T / np.array(periods)[:, None]
         return first, second
 
@@ -243,29 +241,7 @@ class TorusFlow(BodyTorus):
         return self.clock.at(self.torus, times)
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
-        out = np.empty(6 * len(tau))
         check_turns(tau, self._turns)
+        out = np.empty(6 * len(tau))
         self.loops.states_at_tau(self.torus, self.rates, tau, out)
         return out.reshape(-1, 6)
-
-    @property
-    def _rolls(self) -> bool:
-        """Whether the body rolls, so that physical time differs from τ."""
-        return bool(self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0)
-
-    @cached_property
-    def _scale(self) -> float:
-        """The length of the user's unit of τ in units of the time of the set-up."""
-        return float(self.loops.floats(self._problem[TIME_SCALE : TIME_SCALE + 1])[0])
-
-    @cached_property
-    def _turns(self) -> list[float]:
-        """The turns of each phase per unit of τ."""
-        found: list[float] = self.loops.floats(self.rates[:2]).tolist()
-        return found
-
-    @cached_property
-    def _turns_in_t(self) -> list[float]:
-        """The turns of each phase per unit of t."""
-        mean = float(self.loops.floats(self.rates[2:3])[0]) if self._rolls else 1.0
-        return [nu / mean for nu in self._turns]

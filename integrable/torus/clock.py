@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from integrable.moving_point.addition import Row
-from integrable.moving_point.arithmetic import MOST_TURNS
+from integrable.moving_point.arithmetic import MOST_TURNS, too_many_turns
 from integrable.torus.clock_loops import Clock, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
 from integrable.torus.lifts import TOGETHER, RateSums, Torus
@@ -86,10 +86,7 @@ def check_turns(times: np.ndarray, paces: Sequence[float], most: float = MOST_TU
     """Raises PrecisionLoss if a phase makes more than ``most`` turns in one of the times."""
     turns = turns_in(times, paces)
     if turns > most:
-        raise PrecisionLoss(
-            f"time {np.abs(times).max()}: {turns:.1e} turns of a phase are more than the {most:.1e} whose fractions "
-            "double-double numbers hold; use more digits"
-        )
+        raise too_many_turns(np.abs(times).max(), turns, most)
 
 
 def samples_of(

@@ -11,8 +11,8 @@ from integrable.moving_point.addition import Real, Row
 from integrable.torus.states import BodyStates, states_at, whole_turns
 from integrable.torus.theta_series import circle
 
-# Newton steps with the slope of the first point reduce the error by about the length of the first step, in turns: they
-# end when this length times that of the last step is at most LAST_STEPS
+# Newton's method with the slope at its first point multiplies an error by about the length of the first step, in turns.
+# It ends when the product of the lengths of the first and of the last step is at most LAST_STEPS
 LAST_STEPS = 1e-18
 
 
@@ -54,12 +54,6 @@ class Clock(NamedTuple):
     inverse: Row
 
 
-def clock_in_tuples(clock: Clock) -> Clock:
-    """The clock with a tuple for ``pace``, whose numbers compiled loops then hold in registers."""
-    pace = clock.pace[0], clock.pace[1], clock.pace[2], clock.pace[3], clock.pace[4], clock.pace[5]
-    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, pace, clock.inverse)
-
-
 def states_at_times(
     body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row]
 ) -> None:
@@ -76,24 +70,27 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
     """Writes into ``found`` the phases at physical times t (in turns, modulo 2, one pair after the other), τ, and
     τ − t·(mean dτ/dt).
     """
-    own, (phases, tau, delays) = clock_in_tuples(clock), found
+    phases, tau, delays = found
     for i in range(len(times)):
-        first, second, x = phases_at_time(own, times[i], room)
+        first, second, x = phases_at_time(clock, times[i], room)
         phases[2 * i], phases[2 * i + 1] = first, second
-        tau[i], delays[i] = float(own.pace[4] * times[i] + x), float(x)
+        tau[i], delays[i] = float(clock.pace[4] * times[i] + x), float(x)
 
 
 def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Real]:
     """Both phases at a physical time t, in turns, modulo 2, and x = τ − t·(mean dτ/dt).
 
-    :func:`delay` gives x, which is bounded; where its rounding error is large, it is then corrected.
+    x is bounded and solves x + S = 0 at the phases (a + ν₁x, b + ν₂x), where (a, b) are those of the mean motion. It is
+    found first with the few largest modes, then with all modes in floats, and corrected where floats are not enough.
     """
-    pace1, pace2, nu1, nu2, _, _ = clock.pace
+    pace = clock.pace
+    pace1, pace2, nu1, nu2 = pace[0], pace[1], pace[2], pace[3]
     (double1, double2), modes = clock.doubled, clock.modes
     first, turn1 = whole_turns(pace1 * time)
     second, turn2 = whole_turns(pace2 * time)
     a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-    start, rate = delay(clock.rough, clock.series, a, b, room)
+    start, _ = solved(clock.rough, a, b, 0.0, 1e-5, room)
+    start, rate = solved(clock.series, a, b, start, 1e-9, room)
     x = 0 * nu1 + start
     if len(modes) > 0:
         # near a resonance a few modes are so large that their rounding in floats changes x by a large part of a turn
@@ -133,16 +130,9 @@ def loud_swing(clock: Clock, a: Real, b: Real) -> Real:
     return total
 
 
-def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """The difference x of τ from its mean at a physical time, and the slope of x + S there. x solves x + S = 0 at the
-    phases (a + ν₁x, b + ν₂x), first with the few largest modes, then with all modes.
-    """
-    x, _ = solved(rough, a, b, 0.0, 1e-5, room)
-    return solved(series, a, b, x, 1e-9, room)
-
-
 def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
-    """:func:`delay` of one series, starting from x. Its error is about the bound of S times the square of ``near``.
+    """The x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), by Newton's method from a first x, and the slope of x + S.
+    The error of x is about the bound of S times the square of ``near``.
 
     x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the zero; then the bracket is
     halved.

@@ -1,7 +1,7 @@
 """The series of a clock from the spectrum of 1/g, on bare reals, compiled unchanged.
 
 A spectrum is a flat array: for k = 0, …, rows/2 the coefficients of all (k, m) in the order of a discrete transform,
-with real and imaginary parts alternating (:func:`integrable.torus.series.half_spectrum`). ``grid`` is the shape
+with real and imaginary parts alternating (:func:`jacobian.numbers.fourier.half_spectrum`). ``grid`` is the shape
 (rows, columns) of the samples, powers of 2.
 """
 
@@ -138,7 +138,11 @@ def clock_series(
     ``given`` are the turns of both phases per unit of τ, the mean of 1/g and 2π; and the periods of 1/g. ``loud`` and
     ``pace`` are filled for :class:`integrable.torus.clock_loops.Clock`.
     """
-    columns, rates = grid[1], put_pace(given[0], given[1], pace)
+    columns, (turns, doubled) = grid[1], given
+    nu1, nu2, mean = turns[0], turns[1], turns[2]
+    pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
+    # the rates of both phases, in periods of 1/g per unit of τ, the mean of 1/g, and 2π
+    rates = nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
     resonant, bound, swing = swings(values, grid, rates, limits, tables)
     tables.counts[8] = -1 - resonant
     if resonant >= 0:
@@ -149,7 +153,7 @@ def clock_series(
     for n in range(4):
         tables.counts[n], tables.counts[4 + n] = series[n], rough[n]
     tables.counts[8] = count
-    return bound + abs(swing), -swing, -rest, float(values[0] / rates[2])
+    return bound + abs(swing), -swing, -rest, float(values[0] / mean)
 
 
 def part_loud(
@@ -184,15 +188,6 @@ def part_loud(
             for part in range(4):
                 parts[part * total + n] = 0.0
     return count, rest
-
-
-def put_pace(turns: Row, doubled: tuple[int, int], pace: Row) -> Row:
-    """Writes the ``pace`` of :func:`clock_series`. Returns the rates of both phases, in periods of 1/g per unit of τ,
-    the mean of 1/g, and 2π.
-    """
-    nu1, nu2, mean = turns[0], turns[1], turns[2]
-    pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
-    return nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
 
 
 def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:

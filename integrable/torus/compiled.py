@@ -43,10 +43,7 @@ LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "rates": (theta_setup.surveyed_rates, (*(WIDES,) * 4, _FLOATS, *(WIDES,) * 3)),
     "placed": (theta_setup.placed, (TORUS, WIDES, WIDES, WIDES, WIDES, FLOATS, _LIMITS, WIDES)),
     "met": (lifts.met, (TORUS, WIDES, WIDES, _LIMITS, WIDES)),
-    "theta_weights": (
-        theta_series.theta_weights,
-        (WIDES, _THREE, _INTS, FLOAT, SUMS, WIDES),
-    ),
+    "theta_weights": (theta_series.theta_weights, (WIDES, _THREE, _INTS, FLOAT, SUMS, WIDES)),
     "circle_points": (theta_series.circle_points, (FLOATS, WIDES, WIDES, WIDES)),
     "gridded": (lifts.gridded, (TORUS, _RATE, _INTS, _INTS, WIDES, WIDES, WIDES)),
     "strayed": (states.strayed, (_BODY, WIDES, WIDES, WIDES, FLOATS)),

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from operator import mul
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -38,14 +38,6 @@ Function = Callable[[np.ndarray], np.ndarray]
 """A function of states, γ and M side by side, shape (N, 6), that gives m numbers for each, shape (N, m)."""
 
 
-class TimedRun(Protocol):
-    """A run of states at physical times, or at values of τ."""
-
-    times: np.ndarray
-    tau: np.ndarray
-    given_in_tau: bool
-
-
 class TorusIntegral:
     """∫_0^τ F dτ for F with mean 0.
 
@@ -69,8 +61,10 @@ class TorusIntegral:
             for grid, noise in zip(found.grids, found.noises.tolist(), strict=True)
         ]
 
-    def at(self, run: TimedRun) -> np.ndarray:
-        """The integrals at the times of a run, shape (N, m); the phases keep digits that a rounded τ has lost."""
+    def at(self, run: Any) -> np.ndarray:
+        """The integrals at the times of a :class:`~integrable.motion.trajectory.Trajectory`, shape (N, m). Where its
+        physical times are given, they determine the phases, because τ is rounded.
+        """
         physical = not run.given_in_tau
         times = run.times if physical else run.tau
         return together(self._series, *self._flow.phases(times, physical, self._doubled))

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# the unit of a length or a lift is 1 if it is larger than this, otherwise a power of two near it
+# a length or a lift above this has the unit 1, a smaller one the largest power of two up to it
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
 # the larger one, and |γ × M|² is more than APART·|M|²
 APART = 2.0**-6
-# sizes up to this, and their reciprocals, have powers within the range of floats
+# for numbers between 1/FAR and FAR the products that the set-up computes are in the range of floats
 FAR = 1e30
 
 
@@ -36,9 +36,9 @@ class RateCurve(NamedTuple):
 
 
 class Units(NamedTuple):
-    """A torus's own abscissa ξ: x = origin + length·ξ, y = length²·lift·η, so that η² is f with its roots in ξ and
-    the last factor r − d'ξ, (r, d') = (1 − d·origin, d·length)/lift². Length and lift are powers of two, so nothing is
-    rounded.
+    """The coordinates (ξ, η) of the curve of a torus: x = origin + length·ξ, y = length²·lift·η. In η² = f(ξ) the roots
+    are those of f in ξ, and r − d'ξ replaces the factor 1 − dx, (r, d') = (1 − d·origin, d·length)/lift². Length and
+    lift are powers of two, so nothing is rounded.
     """
 
     origin: Real = 0
@@ -71,7 +71,7 @@ class Units(NamedTuple):
 
 
 def _near_power(x: float) -> float:
-    """The largest power of two up to x if x is small, else 1."""
+    """The unit of a length or a lift x."""
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
@@ -105,9 +105,7 @@ def with_open_ovals(problem: Problem, closest: Real) -> Problem:
 
 
 def best_origin(problem: Problem) -> Real:
-    """The origin, 0 or one of the α_i, that keeps the most digits of the distances between close branch
-    points.
-    """
+    """The origin, 0 or one of the α_i, that keeps the most digits of the distances between branch points."""
     points = problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 

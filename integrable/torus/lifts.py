@@ -16,12 +16,12 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 from jacobian.numbers.sums import joined, plus_product
 
-# Newton's method takes difference quotients between POINTS points, and at most MOST_STEPS steps; a step by more turns
-# than FARTHEST has no meaning
+# Newton's method uses difference quotients of the lifts at POINTS points. It ends after MOST_STEPS steps, or at a step
+# of more than FARTHEST turns
 POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
 # a torus is accepted if no lift at the start, a pair (σ, ν), differs from the given one by more than CLOSED of its size
 CLOSED = 1e-18
-# where an oval that was a point has been opened, lifts at the start below this fraction of the largest are due to that
+# if an oval of length 0 was given a small length, lifts of the start below this fraction of the largest come from it
 SMALLEST = 2.0**-40
 # the equations of motion are checked at CHECKED points, by difference quotients between AROUND points that are STEP
 # turns of the faster phase apart. Their error is about (2π·STEP·(the highest harmonic))⁴
@@ -97,8 +97,8 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 class Limits(NamedTuple):
     """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
-    the step of its difference quotients, in turns. Lifts below the fraction ``smallest`` of the largest are due to an
-    oval that was a point and has been opened; 0 if none was.
+    the step of its difference quotients, in turns. Lifts below the fraction ``smallest`` of the largest come from the
+    length that was given to an oval that is a point; ``smallest`` is 0 if no oval is a point.
     """
 
     enough: float

@@ -112,7 +112,6 @@ class ReadableLoops:
         return inside
 
     def begun(self, setup: Setup) -> Beginning:
-        """The rows of numbers from which the torus of a motion is made."""
         return beginning(setup, self)
 
 
@@ -124,7 +123,6 @@ class CompiledLoops:
     depth, nudge, closest = theta_series.DEPTH, 2.0**-44, 2.0**-130
 
     def __getattr__(self, name: str) -> Any:
-        """The compiled loop of this name."""
         if name.startswith("_"):
             raise AttributeError(name)
         return getattr(LIBRARY, name)

@@ -17,11 +17,12 @@ geometrically. Numbers are python-flint's balls, whose radii show the loss from 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, inf
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
 from integrable.torus.lattice import RateCurve, oval_ends
-from integrable.torus.ovals import IntegralTable, Oval, exponent
+from integrable.torus.ovals import Oval, exponent
 from integrable.torus.series import powers
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
@@ -39,9 +40,12 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
 # because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is taken where the product is largest among STEPS points, a step apart, from the start on, because
-# a σ may be small at one of these points
+# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps, wherever |σ₁σ₂σ₃| is largest: at one
+# of these points a σ may be too small to have a sign
 STEPS = 4
+
+
+Table: TypeAlias = "list[list[acb]]"
 
 
 class Modes(NamedTuple):
@@ -52,7 +56,7 @@ class Modes(NamedTuple):
     set-up's τ. ``frequencies`` and ``mean`` are wide.
     """
 
-    rows: list[list[acb]]
+    rows: Table
     doubled: tuple[int, int]
     frequencies: tuple[Real, Real]
     mean: Real
@@ -105,8 +109,8 @@ class FoundModes(NamedTuple):
     """Tables of modes, of this ``size``: ``upright`` of 1/g without its tilt term, ``leaning`` of the tilt term."""
 
     size: tuple[int, int]
-    upright: list[list[acb]]
-    leaning: list[list[acb]] | None
+    upright: Table
+    leaning: Table | None
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
@@ -254,7 +258,7 @@ class OvalTorus:
             oval.turn(self, size)
         self._size = size
 
-    def upright(self) -> list[list[acb]]:
+    def upright(self) -> Table:
         """The coefficients of 1/g without its tilt term and without the phase factor of the start."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
@@ -269,7 +273,7 @@ class OvalTorus:
         )
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
-    def leaning(self) -> list[list[acb]] | None:
+    def leaning(self) -> Table | None:
         """The tilt term's coefficients, at k + ½ or m + ½, without the phase factor of the start; None if upright."""
         if self.axes[7].mid() == 0:
             return None
@@ -280,7 +284,7 @@ class OvalTorus:
         factor /= abs(k1 * k2 * k3).sqrt()
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), 1)
 
-    def modes(self, upright: list[list[acb]], leaning: list[list[acb]] | None, size: tuple[int, int]) -> Modes:
+    def modes(self, upright: Table, leaning: Table | None, size: tuple[int, int]) -> Modes:
         """The modes of 1/g, with phases from the start and in turns of the periods of 1/g."""
         acb, wide, balls = self.flint.acb, self._setup.wide, self._balls
         doubled = (1, 1) if leaning is None else ((2, 1) if self.low else (1, 2))
@@ -300,18 +304,10 @@ class OvalTorus:
         return Modes(rows, doubled, (nu[0], nu[1]), balls.element(wide, upright[0][size[1]].real))
 
 
-def _combined(
-    factor: arb, first: tuple[IntegralTable, IntegralTable], second: tuple[IntegralTable, IntegralTable], sign: int
-) -> list[list[acb]]:
-    """factor·(w·x + sign·y·z), elementwise, for real matrices (w, x) = ``first`` and (y, z) = ``second``; each matrix
-    may stand for −i times itself.
-    """
-    import flint
-
-    (a, b), (c, d) = first, second
-    units = [(1 if x[1] else -1j) * (1 if y[1] else -1j) for x, y in ((a, b), (c, d))]
-    one, other = flint.acb(units[0]) * factor, flint.acb(units[1]) * factor * sign
+def _combined(factor: arb, first: Sequence[Table], second: Sequence[Table], sign: int) -> Table:
+    """factor·(w·x + sign·y·z), elementwise, for the matrices (w, x) = ``first`` and (y, z) = ``second``."""
+    other = sign * factor
     return [
-        [one * (w * x) + other * (y * z) for w, x, y, z in zip(*row, strict=True)]
-        for row in zip(a[0], b[0], c[0], d[0], strict=True)
+        [factor * (w * x) + other * (y * z) for w, x, y, z in zip(*row, strict=True)]
+        for row in zip(*first, *second, strict=True)
     ]

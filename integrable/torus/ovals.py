@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil, log
 from types import ModuleType
-from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from integrable.torus.series import powers
 from jacobian.errors import PrecisionLoss
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 NOTHING = 1e9
 # the n-th harmonic of an integrand is about e^(−decay·n); a larger decay is replaced by this one: few nodes suffice
 LARGEST_DECAY = 40.0
-
-IntegralTable: TypeAlias = "tuple[list[list[arb]], bool]"
-"""(X, True) for a real matrix X; (X, False) for the matrix −iX."""
 
 
 class OvalPair(Protocol):
@@ -232,7 +229,7 @@ class Oval:
             second.append(square.sqrt() * slow * light)
         return [Part(first, not self._at_end), Part(second, self._at_end)]
 
-    def integrals(self, part: Part, half_row: int, half_column: int) -> IntegralTable:
+    def integrals(self, part: Part, half_row: int, half_column: int) -> list[list[acb]]:
         """∮ of a part times e^(−2πi(kθ₁ + mθ₂)), k = 0, …, rows and m = −columns, …, columns. With ``half_row`` k + ½
         replaces k; with ``half_column`` m + ½ replaces m, and m begins at −columns − 1.
         """
@@ -249,10 +246,11 @@ class Oval:
         # cos and sin of 2π(kθ₁ + mθ₂) by the addition theorems, whose second term changes its sign for −m
         sign = -1 if part.even else 1
         plus, minus = (cosines + sign * sines).table(), (cosines - sign * sines).table()
-        first = 0 if half_column else 1
+        first, unit = 0 if half_column else 1, self.flint.acb(1 if part.even else -1j)
         return [
-            low[: first - 1 if first else None : -1] + high for low, high in zip(minus, plus, strict=True)
-        ], part.even
+            [unit * x for x in low[: first - 1 if first else None : -1] + high]
+            for low, high in zip(minus, plus, strict=True)
+        ]
 
 
 def exponent(c: acb) -> float:

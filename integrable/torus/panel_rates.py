@@ -1,9 +1,9 @@
-"""1/g around moving points, in compiled double-doubles, for a multiprecision clock that integrates 1/g panel by panel;
-and the number of nodes that such a clock needs.
+"""Values of 1/g in compiled double-doubles, for a multiprecision clock that integrates 1/g panel by panel; and the
+number of nodes that such a clock needs.
 
-A moving point is known to all digits, so 1/g near it loses only the digits of one addition. Double-doubles keep at
-least 28 digits, in a fortieth of the time of multiprecision. Some values are computed again with all digits; if one
-differs by more than the clock's tolerance, double-doubles are no longer used.
+Each value takes one addition to a moving point that is known to all digits. So it keeps at least 28 digits, and takes a
+fortieth of the time of multiprecision. Some values are computed again with all digits; if one differs by more than the
+clock's tolerance, double-doubles are no longer used.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
-# Legendre coefficients from SCOUT_NODES nodes, for a basic step and for a long panel, show how fast the coefficients
-# decrease, up to the last that exceeds LEAST_SEEN
+# the decrease of the Legendre coefficients of 1/g is measured with SCOUT_NODES nodes, on a basic step or on a longer
+# panel, up to the last coefficient that exceeds LEAST_SEEN
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
 # if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
@@ -81,11 +81,10 @@ class PanelRates:
 
     def _packed(self, rows: Sequence[Row]) -> np.ndarray:
         """Rows of bare reals as double-doubles, shape (rows, numbers, 2)."""
+        exact = np.array(rows, dtype=object)
+        high = exact.astype(float)
         with self._setup.reals:
-            high = [[float(x) for x in row] for row in rows]
-            low = [
-                [float(x - h) for x, h in zip(row, floats, strict=True)] for row, floats in zip(rows, high, strict=True)
-            ]
+            low = (exact - high).astype(float)
         return np.stack([high, low], axis=-1)
 
 
@@ -100,16 +99,13 @@ class Scouts:
     def digits_a_node(self, sign: int, length: int) -> float:
         """The least number of digits gained per Legendre coefficient of 1/g on panels of ``length`` basic steps."""
         if (sign, length) not in self._found:
-            self._found[sign, length] = self._fall(sign, length)
+            sizes = self._sizes(sign, length)
+            most = max(sizes[1:])
+            if 0 < most < FLAT:
+                sizes = [size / most for size in sizes]
+            last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
+            self._found[sign, length] = -log10(max(sizes[last], LEAST_SEEN)) / last
         return self._found[sign, length]
-
-    def _fall(self, sign: int, length: int) -> float:
-        sizes = self._sizes(sign, length)
-        most = max(sizes[1:])
-        if 0 < most < FLAT:
-            sizes = [size / most for size in sizes]
-        last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
-        return -log10(max(sizes[last], LEAST_SEEN)) / last
 
     def _sizes(self, sign: int, length: int) -> list[float]:
         """The largest size of each Legendre coefficient over some panels, relative to the coefficient of degree 0."""
@@ -119,7 +115,7 @@ class Scouts:
             point = setup.reached(sign, cell)
             with setup.reals.at(SCOUT_BITS):
                 values = [rate_after(bare.f, bare.axes, point, step) for step in steps[::sign]]
-                found = [abs(float(setup.reals.plain(c))) for c in series.coefficients(values)]
+                found = [abs(float(c)) for c in series.coefficients(values)]
             sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
         return sizes
 

@@ -55,8 +55,8 @@ class Panels:
         middles, halves, series, in_vain = [], [], [], 0
         for _ in range(MOST_HALVINGS):
             found = _coefficients(states, middle, half)
-            good = _converged(found, tolerance, least)
-            in_vain = in_vain + 1 if _rounded(found)[~good].all() else 0
+            good, rounded = _judged(found, tolerance, least)
+            in_vain = in_vain + 1 if rounded[~good].all() else 0
             middles.append(middle[good])
             halves.append(half[good])
             series.append(found[good])
@@ -90,7 +90,7 @@ def panel_length(states: States, least: float) -> float:
     length = LONGEST * least
     middle = length * (np.arange(PROBES) + 0.5)
     while length > least:
-        if _converged(_coefficients(states, middle, np.full(PROBES, length / 2))).mean() > 0.7:
+        if _judged(_coefficients(states, middle, np.full(PROBES, length / 2)))[0].mean() > 0.7:
             break
         length /= 2
     return length
@@ -111,25 +111,19 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     return result
 
 
-def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: float | np.ndarray = 0.0) -> np.ndarray:
-    """For each panel, whether its series has converged: its last terms are below ``tolerance``, or are below NOISE and
-    no longer decrease.
+def _judged(
+    coefficients: np.ndarray, tolerance: float = TOLERANCE, least: float | np.ndarray = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """For each panel: whether its series has converged, and whether its last terms may be only rounding errors.
+
+    A series has converged if its last terms are below ``tolerance`` or ``least``, or below NOISE without decreasing.
+    They may be rounding errors if they are below NOISE, or below ROUGH without decreasing.
     """
-    sizes = np.abs(coefficients).max(axis=(0, 1))
-    tails = np.abs(coefficients[:, -3:]).max(axis=1)
-    before = np.abs(coefficients[:, -10:-3]).max(axis=1)
-    level = (tails > before / 8) & (tails <= NOISE * sizes)
-    good: np.ndarray = ((tails <= np.maximum(tolerance * sizes, least)) | level).all(axis=1)
-    return good
-
-
-def _rounded(coefficients: np.ndarray) -> np.ndarray:
-    """For each panel, whether its last terms are below ROUGH and no longer decrease, or are below NOISE."""
-    sizes = np.abs(coefficients).max(axis=(0, 1))
-    tails = np.abs(coefficients[:, -3:]).max(axis=1)
-    before = np.abs(coefficients[:, -10:-3]).max(axis=1)
-    quiet: np.ndarray = ((tails > before / 8) & (tails <= ROUGH * sizes) | (tails <= NOISE * sizes)).all(axis=1)
-    return quiet
+    size = np.abs(coefficients)
+    sizes, tails = size.max(axis=(0, 1)), size[:, -3:].max(axis=1)
+    level = tails > size[:, -10:-3].max(axis=1) / 8
+    good = (tails <= np.maximum(tolerance * sizes, least)) | level & (tails <= NOISE * sizes)
+    return np.all(good, axis=1), np.all(level & (tails <= ROUGH * sizes) | (tails <= NOISE * sizes), axis=1)
 
 
 @lru_cache(maxsize=1)

@@ -7,7 +7,7 @@ torus. Its modes are those of F divided by the rates of their phases.
 from __future__ import annotations
 
 from math import ceil, log2, pi
-from typing import TYPE_CHECKING, NamedTuple, SupportsInt
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ TOGETHER = 256
 ONE_THREAD, FEWEST = 1 << 15, 4
 # in floats smaller modes may underflow
 TINY = 1e-290
-# the size up to which transforms of integers are direct sums
+# the size up to which transforms of long numbers are direct sums
 SHORT = 8
 # a mode in floats has the error ROUNDED per turn of its phase; sums of many digits have SPARE_BITS guard bits
 ROUNDED, SPARE_BITS = 1e-15, 40
@@ -37,44 +37,31 @@ class TorusSeries:
     """The function S of an F with the :func:`spectrum` ``grid``, with S = 0 at the phases (0, 0). ``frequencies`` are
     the turns of both phases per unit of τ, as wide numbers.
 
-    F and S are divided by ``scale``, for a clock the mean rate; coefficients below ``noise`` times the largest are left
-    out. Slow modes are divided by their small rates: a spectrum in long doubles has the digits for that. PrecisionLoss
-    where a mode (k, m) of F is in resonance: kν₁ + mν₂ = 0.
+    Coefficients of F below ``noise`` times the largest are left out. PrecisionLoss where a mode (k, m) of F above
+    ``rounding`` times the largest is in resonance: kν₁ + mν₂ = 0.
     """
 
     def __init__(
-        self,
-        grid: np.ndarray,
-        frequencies: tuple[Real, Real],
-        scale: Real = 1.0,
-        noise: float = 2.0**-54,
-        rounding: float | None = None,
+        self, grid: np.ndarray, frequencies: tuple[Real, Real], noise: float = 2.0**-54, rounding: float = 2.0**-49
     ) -> None:
-        grid = grid / scale
-        if rounding is None:
-            rounding = 8 * float(np.finfo(grid.dtype).eps)
-        self.mean = float(grid[0, 0].real)
-        self.frequencies = frequencies
-        columns = grid.shape[1]
-        half = half_plane(grid)
-        self._first = -(columns // 2)
-        self._slope = half.astype(complex)
-        # a mode outside k = 0 stands for its conjugate too
+        rows, columns = grid.shape
+        self.frequencies, self._first, self.mean = frequencies, -(columns // 2), float(grid[0, 0].real)
+        # modes with k > 0, or with k = 0 and m > 0, are doubled, since they stand for their conjugates too
+        self._slope = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
+        self._slope[1:] *= 2
+        self._slope[0, columns // 2 + 1 :] *= 2
         sizes = np.abs(self._slope)
         largest = max(float(sizes[0, : 1 - self._first].max()), float(sizes[1:].max(initial=0)) / 2)
-        kept = sizes > rounding * largest
-        # in the row k = 0 the modes m > 0 stand for those of m < 0
+        self._kept = kept = sizes > rounding * largest
         kept[0, : columns // 2 + 1] = False
-        self._kept = kept
         turns = self._turns(kept)
         self._swing = np.zeros_like(self._slope)
-        self._swing[kept] = half[kept] / (2j * pi * turns[kept])
-        swings = np.abs(self._swing)
+        self._swing[kept] = self._slope[kept] / (2j * pi * turns[kept])
         kept &= sizes > noise * largest
         self._swing[~kept] = 0
         # S + origin has mean 0
         self.origin = float(self._swing[kept].real.sum())
-        self.bound = float(swings[kept].sum()) + abs(self.origin)
+        self.bound = float(np.abs(self._swing).sum()) + abs(self.origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:
         """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
@@ -127,8 +114,6 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
     tables = np.array([x._swing for x in series])
     used = np.abs(tables).max(axis=0) > 0
     rows, columns = np.flatnonzero(used.any(axis=1)), np.flatnonzero(used.any(axis=0))
-    if not len(rows):
-        return np.zeros((len(first), len(series)))
     left = np.exp(2j * pi * np.outer(first, rows))
     right = np.exp(2j * pi * np.outer(second, columns + series[0]._first))
     values = np.einsum("ni,mij,nj->nm", left, tables[:, rows][:, :, columns], right, optimize=True).real
@@ -196,7 +181,8 @@ class LongSeries:
         level, found = self._levels[digits], []
         for begin in range(0, len(angles), TOGETHER):
             some = angles[begin : begin + TOGETHER]
-            tails = self._tails(some, level)
+            first, second = np.array(some, dtype=float).T
+            tails = self.rough._sums(first, second, level.tail)[0].tolist() if level.tail.size else [0.0] * len(some)
             with self._balls.at(level.bits):
                 left, right = zip(*(map(self._circle, pair) for pair in some), strict=True)
                 down = self._flint.acb_mat([powers(z**0, z, level.modes.nrows()) for z in left]) * level.modes
@@ -205,21 +191,14 @@ class LongSeries:
                     found.append(self._balls.element(self._field, total.real - self._origin + tail))
         return found
 
-    def _tails(self, angles: list[tuple[Real, Real]], level: SeriesLevel) -> list[float]:
-        """The sums of the small modes."""
-        if not level.tail.size:
-            return [0.0] * len(angles)
-        first, second = np.array(angles, dtype=float).T
-        sums: list[float] = self.rough._sums(first, second, level.tail)[0].tolist()
-        return sums
-
     def _level(self, digits: int | None) -> SeriesLevel:
         """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
         fraction of the noise.
         """
         noise = self._noise if digits is None else 10.0**-digits
-        kept, tail = self._kept.copy(), np.zeros((0, 0))
+        kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits
         if noise > TINY:
+            bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
             swing = np.abs(self.rough._swing)
             if digits is not None:
                 kept &= ~_adding_up(swing, noise * self._size / 4)
@@ -234,9 +213,6 @@ class LongSeries:
         )
         zero = self._flint.acb(0)
         modes = [[self._modes[k][m] if kept[k, m] else zero for m in range(least, end)] for k in range(height)]
-        bits = self._balls.bits
-        if noise > TINY:
-            bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
         return SeriesLevel(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
 
     def _circle(self, angle: Real) -> acb:
@@ -261,93 +237,46 @@ def powers(first: acb, base: acb, count: int) -> list[acb]:
     return out[:count]
 
 
-def half_plane(grid: np.ndarray) -> np.ndarray:
-    """The modes with k ≥ 0, doubled to account for their conjugates, and m from −columns/2 to columns/2."""
-    rows, columns = grid.shape
-    half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
-    half[1:] *= 2
-    half[0, columns // 2 + 1 :] *= 2
-    return half
-
-
 def in_resonance(k: int, m: int) -> PrecisionLoss:
     """The error for a mode with k·ν₁ + m·ν₂ = 0."""
     return PrecisionLoss(f"the mode ({k}, {m}) of a function on the torus is in resonance with the motion")
 
 
-def half_spectrum(samples: np.ndarray) -> np.ndarray:
-    """The rows 0 … rows/2 of :func:`spectrum`; the other rows are conjugate to them."""
-    return np.fft.fft(np.fft.rfft(samples, axis=0, norm="forward"), axis=1, norm="forward")
-
-
 def spectrum(samples: np.ndarray) -> np.ndarray:
     """The Fourier coefficients of samples at the phases (i/rows, j/columns); same shape."""
-    half = half_spectrum(samples)
-    rows = len(samples)
-    other = half[1 : rows - rows // 2][::-1].conj()
-    other[:, 1:] = other[:, :0:-1].copy()
-    grid: np.ndarray = np.concatenate([half, other])
-    return grid
+    return np.fft.fft2(samples, norm="forward")
 
 
 def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
     """:func:`spectrum` for samples in bare reals, on a grid of powers of 2."""
-    parts = [[part(z).as_mantissa_exp() for z in samples.flat] for part in (lambda z: z.real, lambda z: z.imag)]
-    most = max((int(m).bit_length() + int(e) for part in parts for m, e in part if m), default=0)
-    bits = reals.bits + SPARE_BITS
-    tables = [
-        np.array([in_units(m, e, bits - most) for m, e in part], dtype=object).reshape(samples.shape) for part in parts
-    ]
-    circle = circle_of(max(samples.shape), bits)
-    for _ in range(2):
-        tables = [x.T for x in fourier(tables[0], tables[1], circle, bits)]
+    grid, size = samples, samples.size
+    with reals.at(reals.bits + SPARE_BITS):
+        circle = circle_of(max(samples.shape))
+        for _ in range(2):
+            grid = fourier(grid, circle).T
     with reals:
-        unit = reals.number(2) ** (most - bits) / samples.size
-        grid: np.ndarray = (tables[0] + tables[1] * reals.i) * unit
-        return grid
+        found: np.ndarray = grid / size
+    return found
 
 
-def in_units(mantissa: SupportsInt, exponent: SupportsInt, bits: int) -> int:
-    """mantissa·2^exponent in units of 2^−bits."""
-    shift = int(exponent) + bits
-    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
+def circle_of(count: int) -> np.ndarray:
+    """e^(−2πik/count) for k < count, to the precision in force (:class:`~jacobian.numbers.long_reals.BareReals`)."""
+    import gmpy2
+
+    return np.array([gmpy2.root_of_unity(count, -k % count) for k in range(count)], dtype=object)
 
 
-def circle_of(count: int, bits: int) -> tuple[np.ndarray, np.ndarray]:
-    """cos and sin of the multiples of a turn/count, as integers in units of 2^−bits."""
-    import flint
-
-    finer = bits + SPARE_BITS
-    with BallReals(finer + SPARE_BITS):
-        turn = flint.arb(2) / count
-        parts = turn.cos_pi().mid().man_exp(), turn.sin_pi().mid().man_exp()
-    c, s = (in_units(mantissa, exponent, finer) for mantissa, exponent in parts)
-    x, y, cosines, sines = 1 << finer, 0, list[int](), list[int]()
-    for _ in range(count):
-        cosines.append(x >> SPARE_BITS)
-        sines.append(y >> SPARE_BITS)
-        x, y = (x * c - y * s) >> finer, (x * s + y * c) >> finer
-    return np.array(cosines, dtype=object), np.array(sines, dtype=object)
-
-
-def fourier(
-    real: np.ndarray, imaginary: np.ndarray, circle: tuple[np.ndarray, np.ndarray], bits: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """The transform Σ x_j e^(−2πijk/n) along the first axis of arrays of integers (Cooley & Tukey 1965).
-
-    ``circle`` is :func:`circle_of` m, for a multiple m of n.
+def fourier(values: np.ndarray, circle: np.ndarray) -> np.ndarray:
+    """The transform Σ_j x_j·e^(−2πijk/n) along the first axis of n rows x_j of long numbers (Cooley & Tukey 1965).
+    ``circle`` is :func:`circle_of` a multiple of n.
     """
-    cosines, sines = circle
-    n, stride = len(real), len(cosines) // len(real)
+    n, stride = len(values), len(circle) // len(values)
     if n % 2 or n <= SHORT:
         k = np.arange(n)
-        turns = np.outer(k, k) % n * stride
-        c, s = cosines[turns], sines[turns]
-        return (c @ real + s @ imaginary) >> bits, (c @ imaginary - s @ real) >> bits
-    even, odd = (fourier(real[i::2], imaginary[i::2], circle, bits) for i in range(2))
-    c, s = (x[: n // 2 * stride : stride, None] for x in circle)
-    x, y = (c * odd[0] + s * odd[1]) >> bits, (c * odd[1] - s * odd[0]) >> bits
-    return np.concatenate([even[0] + x, even[0] - x]), np.concatenate([even[1] + y, even[1] - y])
+        direct: np.ndarray = circle[np.outer(k, k) % n * stride] @ values
+        return direct
+    even, odd = fourier(values[::2], circle), circle[: n // 2 * stride : stride, None] * fourier(values[1::2], circle)
+    return np.concatenate([even + odd, even - odd])
 
 
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:

@@ -19,19 +19,20 @@ from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.sums import joined, plus_product
 
-# bits in which the constants of cosine and sine are computed for double-doubles, and bits to which both are summed
+# for double-doubles: the bits in which 2π and 1/n! are computed, and the bits to which the series of cosine and sine,
+# with these coefficients, are truncated
 BITS, SUMMED = 200, 112
 # e^(−π·DEPTH) is the truncation error of a series relative to its largest term
 DEPTH = 22.0
 
 
 class ThetaSums(NamedTuple):
-    """The weights of several theta series. Here a class is a characteristic, by its index.
+    """The coefficients of several theta series. A *class* is the index of a series; its characteristic is (ε, δ).
 
-    ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = e₁, e₁
-    + 2, …, columns b = e₂, e₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the weights w± of n = (a, ±b)/2, first of
-    θ, then of its derivative along a direction. Entries after ``lengths`` columns of a row are negligible. ``chars``
-    are e₁, e₂, δ₁, δ₂ of each class. ``inverse`` is that of :func:`circle`.
+    ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = ε₁, ε₁
+    + 2, …, columns b = ε₂, ε₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the coefficients w± of n = (a, ±b)/2,
+    first of θ, then of its derivative along a direction. Entries after the first ``lengths`` columns of a row are
+    negligible. ``chars`` are ε₁, ε₂, δ₁, δ₂ of each class. ``inverse`` is that of :func:`circle`.
     """
 
     table: Row
@@ -44,7 +45,7 @@ class ThetaSums(NamedTuple):
 def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
     """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
     (c1, s1), rows, zero = first, sums.sizes[1], 0 * first[0]
-    # harmonics advance by twice the angles, and begin at 0 or at one angle
+    # (a, b) is (cos, sin) of πaφ₁ for the rows a = ε₁, ε₁ + 2, …
     ca, sa = c1 * c1 - s1 * s1, 2 * c1 * s1
     a, b = 1 + zero, zero
     if sums.chars[4 * k] > 0:
@@ -62,7 +63,9 @@ def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real,
 
 
 def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tuple[Real, Real, Real, Real]:
-    """The sums over the columns of row i of class k, with cosines and with sines; then both sums of the derivative."""
+    """The coefficients of cos πaφ₁ and of sin πaφ₁ in row a of θ_k, the i-th row, then those of its derivative; from
+    (cosine, sine) of πφ₂.
+    """
     (c2, s2), table = second, sums.table
     _, rows, columns = sums.sizes
     zero = 0 * c2
@@ -87,11 +90,11 @@ def is_odd(chars: Row, k: int) -> bool:
 
 
 class Lattice(NamedTuple):
-    """The data of a theta series: e^(−πY₁₁/4), e^(−πY₂₂/4), e^(−πY₁₂/2) and its inverse, Y = Im τ; π times a direction
-    in z; and the integers 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂.
+    """The data of theta series. ``bases`` are e^(−πY₁₁/4), e^(−πY₂₂/4), e^(−πY₁₂/2) and its inverse, Y = Im τ;
+    ``along`` is π times the direction of the derivative; ``turns`` are the integers 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂.
 
-    ``least`` are the least e₁² and e₂² of all classes: the exponents of the first two bases are reduced by these, so
-    that e^(−πY₁₁/4) may be 0. Terms below ``last`` of the largest are negligible.
+    ``least`` are the least ε₁² and ε₂² of all classes. All terms are divided by e^(−π(least₁Y₁₁ + least₂Y₂₂)/4), so
+    that e^(−πY₁₁/4) may be 0. Terms below the fraction ``last`` of the largest are negligible.
     """
 
     bases: Row
@@ -99,17 +102,6 @@ class Lattice(NamedTuple):
     turns: tuple[int, int, int]
     least: tuple[int, int]
     last: float
-
-
-def lattice_of(shape: Row, turns: tuple[int, int, int], least: tuple[int, int], last: float, inverse: Row) -> Lattice:
-    """The :class:`Lattice` of a ``shape`` as in :func:`theta_weights`."""
-    half = inverse[0] / 2
-    first, second, mixed = half * shape[0] / 4, half * shape[2] / 4, half * shape[1] / 2
-    base = exponential(-first, inverse)
-    if shape[0] == 0:
-        base = 0 * base
-    bases = base, exponential(-second, inverse), exponential(-mixed, inverse), exponential(mixed, inverse)
-    return Lattice(bases, (half * shape[3], half * shape[4]), turns, least, last)
 
 
 def exponential(x: Real, inverse: Row) -> Real:
@@ -128,12 +120,18 @@ def exponential(x: Real, inverse: Row) -> Real:
 def theta_weights(
     shape: Row, turns: tuple[int, int, int], least: tuple[int, int], last: float, sums: ThetaSums, tops: Row
 ) -> bool:
-    """Fills the table and the lengths of ``sums``; ``tops`` are the largest terms, by which weights are divided.
+    """Fills the table and the lengths of ``sums``, and ``tops`` with the largest term of each class, by which its
+    coefficients are divided.
 
     ``shape`` holds Y₁₁, Y₁₂, Y₂₂, Y = Im τ, with 0 for an infinite Y₁₁, and the direction of the derivative. The other
     arguments are those of :class:`Lattice`. Returns whether the series are real up to a constant factor.
     """
-    lattice = lattice_of(shape, turns, least, last, sums.inverse)
+    half, inverse = sums.inverse[0] / 2, sums.inverse
+    first, second = exponential(-(half * shape[0] / 4), inverse), exponential(-(half * shape[2] / 4), inverse)
+    if shape[0] == 0:
+        first = 0 * first
+    mixed, other = exponential(-(half * shape[1] / 2), inverse), exponential(half * shape[1] / 2, inverse)
+    lattice = Lattice((first, second, mixed, other), (half * shape[3], half * shape[4]), turns, least, last)
     classes, rows, _ = sums.sizes
     zero, real = 0 * lattice.bases[0], True
     for n in range(len(sums.table)):
@@ -156,15 +154,19 @@ def theta_weights(
 
 
 def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int, top: Real, phase: int) -> bool:
-    """Adds the weights of (a, ±b) to row i of class k, (k, i) = ``place``; the sign is + on ``side`` 0.
+    """Adds the coefficients of n = (a, ±b)/2, with + on ``side`` 0 and − on ``side`` 1, to row i of class k, where
+    (k, i) = ``place``.
 
-    ``top`` and ``phase`` are those of the largest term. Returns whether all terms are real multiples of it.
+    ``top`` and ``phase`` are the size and the phase of the largest term. Returns whether all terms are real multiples
+    of it.
     """
     (k, i), sign, real = place, 1 - 2 * side, True
     _, rows, columns = sums.sizes
     a, e2 = sums.chars[4 * k] + 2 * i, sums.chars[4 * k + 1]
-    # |m| grows by 2 from column to column
-    w, step, more = term(lattice, a, sign * e2) / top, steps(lattice, a, sign, e2), raised(lattice.bases[1], 8)
+    mixed = lattice.bases[2] if sign > 0 else lattice.bases[3]
+    # |m| grows by 2 from column to column: ``step`` is the ratio of the next term to this one, ``more`` that of steps
+    w, step = term(lattice, a, sign * e2) / top, raised(lattice.bases[1], 4 * e2 + 4) * raised(mixed, 2 * a)
+    more = raised(lattice.bases[1], 8)
     for j in range(columns):
         m = sign * (e2 + 2 * j)
         turned = sixteenths(lattice.turns, a, m) - phase
@@ -172,58 +174,37 @@ def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int
         if m != 0 or side == 0:
             if w > lattice.last:
                 sums.lengths[k * rows + i] = max(sums.lengths[k * rows + i], j + 1)
-            add_weight(sums, lattice.along, (k, i, 2 * j + side), w * weight_sign(sums.chars, k, turned, a, m))
+            weight = w * weight_sign(sums.chars, k, turned, a, m)
+            rate = (a * lattice.along[0] + m * lattice.along[1]) * weight
+            if not is_odd(sums.chars, k):
+                rate = -rate
+            at, table = 4 * ((k * rows + i) * columns + j), sums.table
+            table[at], table[at + 1] = table[at] + weight, table[at + 1] + sign * weight
+            table[at + 2], table[at + 3] = table[at + 2] + rate, table[at + 3] + sign * rate
         w, step = w * step, step * more
     return real
 
 
-def steps(lattice: Lattice, a: int, sign: int, e2: int) -> Real:
-    """The ratio of the terms (a, ±(e₂ + 2)) and (a, ±e₂), where ± is ``sign``."""
-    mixed = raised(lattice.bases[2], 2 * a) if sign > 0 else raised(lattice.bases[3], 2 * a)
-    return raised(lattice.bases[1], 4 * e2 + 4) * mixed
-
-
-def add_weight(sums: ThetaSums, along: Row, place: tuple[int, int, int], w: Real) -> None:
-    """Adds the weight w of row i and signed column j of class k, (k, i, j) = ``place``, to its entry."""
-    k, i, j = place
-    _, rows, columns = sums.sizes
-    a, m = sums.chars[4 * k] + 2 * i, signed(sums.chars[4 * k + 1], j)
-    rate = (a * along[0] + m * along[1]) * w
-    if not is_odd(sums.chars, k):
-        rate = -rate
-    sign, start = 1 - 2 * (j % 2), 4 * ((k * rows + i) * columns + j // 2)
-    table = sums.table
-    table[start], table[start + 1] = table[start] + w, table[start + 1] + sign * w
-    table[start + 2], table[start + 3] = table[start + 2] + rate, table[start + 3] + sign * rate
-
-
-def signed(e2: int, j: int) -> int:
-    """The j-th of the column numbers e₂, −e₂, e₂ + 2, −e₂ − 2, …."""
-    m = e2 + 2 * (j // 2)
-    return m if j % 2 == 0 else -m
-
-
 def weight_sign(chars: Row, k: int, turned: int, a: int, m: int) -> int:
-    """The sign of a term of class k, times 2 if the term stands for n and −n."""
+    """The sign of the term of n = (a, m)/2 of class k, times 2 if it is added up with the term of −n."""
     d = (a * chars[4 * k + 2] + m * chars[4 * k + 3]) % 4
     sign = 1 if (turned % 16 != 0) == (d == 1 or d == 2) else -1
     return 2 * sign if a != 0 or m != 0 else sign
 
 
 def sixteenths(turns: tuple[int, int, int], a: int, m: int) -> int:
-    """The phase of a term from Re τ, in sixteenths of a turn."""
+    """The phase of e^(πi n·Re τ·n), n = (a, m)/2, in sixteenths of a turn, with the ``turns`` of a :class:`Lattice`."""
     return a * a * turns[0] + 2 * a * m * turns[1] + m * m * turns[2]
 
 
 def term(lattice: Lattice, a: int, m: int) -> Real:
-    """The size e^(−πnYn) of the term of n = (a, m)/2, divided by the powers that all terms have in common."""
+    """The size e^(−πnYn) of the term of n = (a, m)/2, divided as in :class:`Lattice`."""
     bases, (first, second) = lattice.bases, lattice.least
     mixed = raised(bases[2], a * m) if m > 0 else raised(bases[3], -a * m)
     return raised(bases[0], a * a - first) * raised(bases[1], m * m - second) * mixed
 
 
 def raised(x: Real, n: int) -> Real:
-    """x^n for n ≥ 0."""
     found = 1 + 0 * x
     while n > 0:
         if n % 2 == 1:
@@ -258,7 +239,6 @@ def circle_points(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
 
 @cache
 def long_numbers(bits: int) -> LongField:
-    """The field of long numbers of ``bits`` bits, cached."""
     return LongField(bits)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from integrable.moving_point.addition import Real, Row
 from integrable.moving_point.elliptic_integrals import complete, mean_slowness, oval_periods, quadratic_periods
 from integrable.moving_point.problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
-from integrable.phase.coordinates import directions_of
+from integrable.phase.coordinates import gamma_and_w
 from integrable.torus.lifts import Limits, Torus, met
 from jacobian.numbers.roots import root
 
@@ -112,14 +112,16 @@ def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, i
 
 @cache
 def rule_of_phases() -> np.ndarray:
-    """v, 1 − v and the weight of each node of a rule for dv/√v on [0, 1]."""
+    """v, 1 − v and the weight of each node of the trapezoidal rule in log(v/(1 − v)) for ∫dv/√v from 0 to 1."""
     t = SPACING * np.arange(-BEFORE, AFTER + 1)
     v, rest = 1 / (1 + np.exp(-t)), 1 / (1 + np.exp(t))
     return np.ascontiguousarray(np.stack([v, rest, SPACING * np.sqrt(v) * rest], axis=1).ravel())
 
 
 def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float, float]:
-    """The phases of the start in floats, in turns. ``rule`` has v, 1 − v and the weight of each node."""
+    """The phases of the start in floats, in turns: the integrals of (dx/y, x dx/y) from e₁ and e₃ to the points of the
+    divisor, in units of the periods ``found``. ``rule`` is that of :func:`rule_of_phases`.
+    """
     u0, u1, v0, v1 = start[0], start[1], start[2], start[3]
     square = u1 * u1 / 4 - u0
     half = root(square) if square > 0 else 0 * u1
@@ -176,8 +178,7 @@ def placed(
 
 def start_frame(point: Row, out: Row) -> None:
     """Writes γ̃_1, w̃_1, γ̃_2, … of a moving point."""
-    gamma, M = directions_of(point)
-    w = gamma[1] * M[2] - gamma[2] * M[1], gamma[2] * M[0] - gamma[0] * M[2], gamma[0] * M[1] - gamma[1] * M[0]
+    gamma, w = gamma_and_w(point)
     size = 1 / root(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
     for i in range(3):
         out[2 * i], out[2 * i + 1] = gamma[i], size * w[i]

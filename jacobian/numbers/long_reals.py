@@ -78,14 +78,6 @@ class BareReals:
             return int(mantissa) << exponent
         return (int(mantissa) + (1 << (-exponent - 1))) >> -exponent
 
-    def plain(self, x: Any) -> Any:
-        """x itself: numbers of this class are rounded and carry no error bound."""
-        return x
-
-    def plain_row(self, values: Iterable[Any]) -> tuple[Any, ...]:
-        """The tuple of :meth:`plain` of each value."""
-        return tuple(map(self.plain, values))
-
     def _finite(self, x: Any) -> bool:
         return bool(self._gmpy2.is_finite(x))
 
@@ -131,9 +123,6 @@ class BallReals(BareReals):
                 yield self
             finally:
                 context.prec = before
-
-    def plain(self, x: Any) -> Any:
-        return x.mid()
 
     def rounded(self, balls: Iterable[Any], reals: BareReals) -> list[Any]:
         """The midpoints of balls as numbers of ``reals``."""
