@@ -74,16 +74,14 @@ class KowalevskiTop(SurfaceSystem):
         g2 = square - 1 + 3 * l1 * l1
         g3 = l1 * (square - 1 - l1 * l1) + along * along
         s = (l1 / 2, N.one / 2)
-        cubic = poly.sub(
-            N, poly.mul(N, poly.mul(N, s, s), poly.scale(N, N.coerce(poly.integer(N, 4)), s)), poly.scale(N, g2, s)
-        )
+        cubic = poly.sub(N, poly.mul(N, poly.mul(N, s, s), (2 * l1, 2 * N.one)), poly.scale(N, g2, s))
         return poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.zero, N.coerce(poly.integer(N, -2))
 
     def flow(self, state: Point, tolerance: float | None = None) -> NoReturn:
-        """Raises NotRepresentable: states cannot be recovered from divisors; ``line`` returns the divisors."""
+        """Raises NotRepresentable: divisors do not determine states rationally; ``line`` returns the divisors."""
         raise NotRepresentable(
             f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"
         )

@@ -52,7 +52,7 @@ class LagrangeTop(AxialSystem):
 
     @staticmethod
     def _at_ends(N: FormulaField, state: Point) -> tuple[Real, Real]:
-        """The products (M, q − e_3) and (M, q + e_3), without the difference 1 − |q_3|, which may round to 0."""
+        """m = ((M, q − e_3), (M, q + e_3)), without the difference 1 − |q_3|, which may round to 0."""
         (x, y, z), (a, b, c) = state
         along = x * a + y * b
         below, above = z - N.one, z + N.one

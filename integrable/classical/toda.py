@@ -49,13 +49,13 @@ class TodaLattice(MumfordSystem):
     _constraint_names = ("e^q ≠ 0",)
 
     def _exponentials(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The exponentials e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
+        """e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
         if N.exact:
             return state.q
         return tuple(elementary(N, "exp", x - state.q[0]) for x in state.q)
 
     def _links(self, N: FormulaField, state: Point) -> list[Real]:
-        """The links e^{q_{k+1} − q_k}, k = 1 … n."""
+        """e^{q_{k+1} − q_k}, k = 1 … n."""
         w = self._exponentials(N, state)
         return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
 
@@ -99,15 +99,15 @@ class TodaLattice(MumfordSystem):
         return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        if N.exact:  # an exact state holds exp(q) in place of q
+        if N.exact:  # q are exponentials, with the derivatives qp
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
-        else:  # exponentials of differences, since quotients may overflow
+        else:  # exponentials of differences, since the quotients in _links may overflow
             q, rates = state.q, state.p
             links = [elementary(N, "exp", q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The links minus 1, computed without cancellation if all q nearly coincide."""
+        """e^{q_{k+1} − q_k} − 1, which loses no digits if all q nearly coincide."""
         q = state.q
         return tuple(elementary(N, "expm1", q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
@@ -125,7 +125,7 @@ class TodaLattice(MumfordSystem):
         return {"trace": self._trace(N, state), "H": energy}
 
     def _trace(self, N: FormulaField, state: Point) -> poly.Poly:
-        """The trace Δ = A + D."""
+        """Δ = A + D."""
         (a, _), (_, d) = self._transfer(N, state)
         return poly.add(N, a, d)
 
@@ -154,7 +154,6 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                # operators are used, since u and v may be columns of numbers
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 

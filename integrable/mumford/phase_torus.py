@@ -1,7 +1,8 @@
 """States at far times of motions of genus 3 and more in floats: the phases determine the point in each oval.
 
-Newton's method inverts the sums of :mod:`integrable.portrait.separated` in floats. One more step, with the sums in
-double-doubles, doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds per oval.
+The phases are sums of integrals over the ovals (:mod:`integrable.portrait.separated`) up to the points, and grow
+linearly in time. Newton's method finds the points in floats, and one more step, with the sums in double-doubles,
+doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds per oval.
 """
 
 from __future__ import annotations
@@ -21,8 +22,6 @@ from jacobian.numbers.double_double import double_double_row
 
 # high modes below NEGLIGIBLE times the largest mode are omitted
 NEGLIGIBLE = 1e-34
-
-
 HalfAngles = list[tuple[Column, Column]]
 
 
@@ -93,8 +92,8 @@ class PhaseTorus(FarTimes):
         return total
 
     def _moved(self, j: int, angles: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """The first-order change of the sum of form j, without that of :meth:`_of_poles`, if the angles change by
-        ``late``.
+        """The first-order change of :meth:`_sums` for form j, without the terms of :meth:`_of_poles`, if the angles
+        change by ``late``.
         """
         K, found = Columns(), np.zeros(len(angles))
         form = self._torus.forms[j]
@@ -103,14 +102,14 @@ class PhaseTorus(FarTimes):
             x = oval.middle - oval.radius * Column(np.cos(phi))
             slope = form.coefficient(K, x) * oval.weight(K, x)
             for pole in self._torus.poles[k][j]:
-                # the derivative of the term in _of_poles, residue/(x − place) − mean, is subtracted
+                # the term in _of_poles has the derivative residue/(x − place) − mean
                 slope = slope - Column.of(pole.residue) / (x - Column.of(pole.place)) + Column.of(pole.mean)
             found += move * slope.hi
         return found
 
 
 def _columns(values: Sequence[Real]) -> Column:
-    """Long numbers as one column, (n, 1)."""
+    """Long numbers as one column of shape (n, 1)."""
     high, low = double_double_row(values).T
     return Column(high[:, None], low[:, None])
 
@@ -123,7 +122,7 @@ def _waves(rows: Sequence[Sequence[Real]]) -> list[Column]:
 
 
 def circles(angles: np.ndarray) -> tuple[Column, Column]:
-    """The pairs (sin, cos), in double-doubles, of angles in floats."""
+    """sin and cos in double-doubles."""
     given, out = np.ascontiguousarray(angles, dtype=np.float64), np.empty((2, len(angles), 2))
     LIBRARY.circle_points(given, inverse_factorials(), out[0], out[1])
     cosines, sines = (Column(*np.ascontiguousarray(part.T)) for part in out)

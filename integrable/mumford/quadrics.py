@@ -47,10 +47,6 @@ class QuadricSystem(MumfordSystem):
         """Defined by subclasses: the polynomials u₀, ½u₀' and w₀ of a state."""
         raise NotImplementedError
 
-    def _genus(self) -> int:
-        """Defined by subclasses: the degree of U."""
-        raise NotImplementedError
-
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
         """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, which have no axes, and their
         p, from a pair.
@@ -66,9 +62,6 @@ class QuadricSystem(MumfordSystem):
     def _axes(self, state: Point) -> Point:
         return Point(state.q[self.before :], state.p[self.before :])
 
-    def _signed(self, N: FormulaField, x: Real) -> Real:
-        return x if self.sign > 0 else -x
-
     def _pull(self, N: FormulaField, state: Point) -> list[Real]:
         """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
@@ -82,7 +75,7 @@ class QuadricSystem(MumfordSystem):
         f1 = poly.from_roots(N, self._constants_in(N))
 
         def with_poles(over: poly.Poly, weights: Sequence[Real]) -> poly.Poly:
-            return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self._signed(N, x) for x in weights]))
+            return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self.sign * x for x in weights]))
 
         u = with_poles(shape.u, [x * x for x in q])
         v = with_poles(shape.v, [x * y for x, y in zip(q, p, strict=True)])
@@ -97,8 +90,7 @@ class QuadricSystem(MumfordSystem):
 
     def _action(self, N: FormulaField, state: Point) -> Form:
         """The form ½εy dx/f₁ of p dq, since dq_i/q_i = ½Σdx/(x − a_i) and ΣV(a_i)/(f₁'(a_i)(x − a_i)) = V/f₁."""
-        half = self._signed(N, N.one / 2)
-        return Form(poly.scale(N, half, self._spectral(N, state).f), self._constants_in(N))
+        return Form(poly.scale(N, self.sign * N.one / 2, self._spectral(N, state).f), self._constants_in(N))
 
     def _branches(self, N: FormulaField) -> tuple[Real, ...]:
         found = zip(self._constants_in(N), self._barriers(), strict=True)
@@ -106,19 +98,16 @@ class QuadricSystem(MumfordSystem):
 
     def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
-        kinds, data = [], []
         # U(a_i) = εd_i q_i², V(a_i) = εd_i q_i p_i with d_i = f₁'(a_i)
-        for e, slope, barrier, x, y in self._along_axes(N, state):
-            if not self._stands(barrier):
-                kinds.append(Lift(e))
-                data.append((slope, x, y))
-        return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
+        free = [axis for axis in self._along_axes(N, state) if not self._stands(axis[2])]
+        data = tuple((slope, x, y) for _, slope, _, x, y in free)
+        return Start(f, u, v, self._direction(N, len(v)), [Lift(axis[0]) for axis in free], data)
 
     def _along_axes(self, N: FormulaField, state: Point) -> Iterator[tuple[Real, ...]]:
         """(a_i, εd_i, l_i, q_i, p_i) for each axis, d_i = f₁'(a_i)."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
-        signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]
+        signed = [self.sign * poly.evaluate(N, slopes, e) for e in a]
         return zip(a, signed, self._barriers(), *self._axes(state), strict=True)
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
