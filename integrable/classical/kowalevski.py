@@ -68,14 +68,12 @@ class KowalevskiTop(SurfaceSystem):
         half, growth = 1 / (2 * q * q), -2 * of_q / q
         u = (R1 * half / 2, R * half, N.one)
         v = ((of_R1 / 2 * half + u[0] * growth) / 2, (of_R * half + u[1] * growth) / 2)
-        return all_of(N, (self._curve(N, l1, along, square), u, v), 2)
-
-    def _curve(self, N: FormulaField, l1: Real, along: Real, square: Real) -> poly.Poly:
         g2 = square - 1 + 3 * l1 * l1
         g3 = l1 * (square - 1 - l1 * l1) + along * along
         s = (l1 / 2, N.one / 2)
         cubic = poly.sub(N, poly.mul(N, poly.mul(N, s, s), (2 * l1, 2 * N.one)), poly.scale(N, g2, s))
-        return poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
+        f = poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
+        return all_of(N, (f, u, v), 2)
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.zero, N.coerce(poly.integer(N, -2))

@@ -59,22 +59,18 @@ class TodaLattice(MumfordSystem):
         w = self._exponentials(N, state)
         return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
 
-    def _transfer(
-        self, N: FormulaField, state: Point
-    ) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
-        """The transfer matrix ((A, B), (C, D)) = L_n⋯L_1."""
-        one: poly.Poly = (N.one,)
-        rows: tuple[tuple[poly.Poly, ...], tuple[poly.Poly, ...]] = ((one, ()), ((), one))
+    def _transfer(self, N: FormulaField, state: Point) -> list[list[poly.Poly]]:
+        """The transfer matrix [[A, B], [C, D]] = L_n⋯L_1."""
+        rows: list[list[poly.Poly]] = [[(N.one,), ()], [(), (N.one,)]]
         for w, p in zip(self._exponentials(N, state), state.p, strict=True):
-            (a, b), (c, d) = rows
-            factor = (p, N.one)
-            # the rows are multiplied from the left by [[x + p, w], [−1/w, 0]]
-            rows = (
-                tuple(poly.add(N, poly.mul(N, factor, x), poly.scale(N, w, y)) for x, y in ((a, c), (b, d))),
-                tuple(poly.scale(N, -1 / w, x) for x in (a, b)),
-            )
-        (a, b), (c, d) = rows
-        return (a, b), (c, d)
+            above, below = rows
+            # [[x + p, w], [−1/w, 0]] times the rows
+            pairs = zip(above, below, strict=True)
+            rows = [
+                [poly.add(N, poly.mul(N, (p, N.one), x), poly.scale(N, w, y)) for x, y in pairs],
+                [poly.scale(N, -1 / w, x) for x in above],
+            ]
+        return rows
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         (a, b), (_, d) = self._transfer(N, state)

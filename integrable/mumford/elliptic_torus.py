@@ -189,8 +189,10 @@ class EllipticTorus(FarTimes):
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""
-        parts = self._points(times)
-        one, two, three = parts
+        given, out = np.zeros((len(times), 2)), np.empty((3 * len(times), 2))
+        given[:, 0] = times
+        LIBRARY.oval_points(self._oval, given, (0, 1), out)
+        one, two, three = parts = [Column(*np.ascontiguousarray(x.T)) for x in out.reshape(3, -1, 2)]
         x, y = self._side * (self._first + one * one), self._slope * one * two * three
         if self._pole is not None:
             x, y = self._pole - 1 / x, y / (x * x)
@@ -198,14 +200,6 @@ class EllipticTorus(FarTimes):
         for kappa, size, slope, which in self._lifts:
             data.append((kappa, size * parts[which], slope * parts[which - 1] * parts[which - 2]))
         return Extended((-x, Column(1.0)), (y,), tuple(data))
-
-    def _points(self, times: np.ndarray) -> tuple[Column, Column, Column]:
-        """R₁, R₂ and R₃ at the given times."""
-        given, out = np.zeros((len(times), 2)), np.empty((3 * len(times), 2))
-        given[:, 0] = times
-        LIBRARY.oval_points(self._oval, given, (0, 1), out)
-        one, two, three = (Column(*np.ascontiguousarray(x.T)) for x in out.reshape(3, -1, 2))
-        return one, two, three
 
 
 def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:

@@ -18,7 +18,6 @@ from integrable.mumford.translations import GroupTranslations, reference
 from integrable.phase.enclosure import Enclosure, Precisions, enclosed, exact_times, widest
 from jacobian import poly
 from jacobian.element import Real
-from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
     from flint import acb, arb
@@ -35,6 +34,9 @@ REAL = 1e-9
 
 
 class EnclosedTranslations(GroupTranslations):
+    # a midpoint nearer to the curve would not narrow a ball
+    _drifts = False
+
     def _reference(self) -> tuple[list[Real], list[Real]]:
         # points in the middle of ovals come first, because balls widen more for points far from all branch points
         K, group = self.field, self.group
@@ -42,13 +44,6 @@ class EnclosedTranslations(GroupTranslations):
         ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]
         more, roots = reference(group)
         return [*xs, *more][: group.genus + 1], [*ys, *roots][: group.genus + 1]
-
-    def _on_curve(self, D: Extended) -> Extended:
-        # a midpoint nearer to the curve would not narrow a ball
-        return D
-
-    def _with_true_lifts(self, D: Extended) -> Extended:
-        return D
 
 
 def middles_of_ovals(f: poly.Poly) -> list[float]:

@@ -89,7 +89,6 @@ class MumfordFlow(StateFlow[Path]):
     """The motion of one state, returned by ``system.flow(state)``; ``at(times)`` evaluates it."""
 
     _cost = BY_ADDITIONS
-    """The cost of additions."""
 
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
         self.digits = long_digits(system.field)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from math import log
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +117,7 @@ class PointFormulas:
     """
 
     def __init__(self, tape: Tape, count: int) -> None:
-        self._program, fixed = divided(tape, count)
+        self._codes, self._results, fixed = divided(tape, count)
         self._fixed, self._rooms = LongTape(fixed), list[np.ndarray]()
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
@@ -126,26 +126,16 @@ class PointFormulas:
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
         """The results at N points, shape (N, results, 2); ``given`` has the shape (other variables, N, 2)."""
-        variables, count, _ = given.shape
-        (codes, results), wide = self._program, len(self._program.results)
+        (variables, count, _), codes, wide = given.shape, self._codes, len(self._results)
         out = np.empty((count * wide, 2))
         # memory is reused, because to allocate it takes as long as the operations on several points
         try:
             room = self._rooms.pop()
         except IndexError:
             room = np.empty(((len(fixed) + variables + len(codes) // 3) * BLOCK, 2))
-        LIBRARY.applied(codes, results, fixed, given.reshape(-1, 2), room, out)
+        LIBRARY.applied(codes, self._results, fixed, given.reshape(-1, 2), room, out)
         self._rooms.append(room)
         return out.reshape(count, wide, 2)
-
-
-class Program(NamedTuple):
-    """A tape for a compiled loop: triples (kind, left, right), and the places of the results. The places of fixed
-    numbers come first, then those of variables, then those of operations.
-    """
-
-    codes: np.ndarray
-    results: np.ndarray
 
 
 def parts_of(start: Start) -> tuple[Sequence[Any], ...]:
@@ -167,9 +157,10 @@ def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
     return tuple([shaped(x, values) if isinstance(x, tuple) else next(values) for x in shape])
 
 
-def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
-    """The program for the operations on variables after the first ``count``, and the tape whose results are the other
-    numbers that the program needs. TypeError if the program would need an exponential, which no compiled loop computes.
+def divided(tape: Tape, count: int) -> tuple[np.ndarray, np.ndarray, Tape]:
+    """The ``codes`` and ``results`` of :func:`applied` for the operations on variables after the first ``count``, and
+    the tape of the ``fixed`` numbers that they need. TypeError for an exponential of these variables, which no compiled
+    loop computes.
     """
     fixed = list[bool]()
     for kind, left, right in tape.nodes:
@@ -184,8 +175,8 @@ def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
     order = [*shared, *(variables[k] for k in range(count, len(variables))), *operations]
     place = {n: k for k, n in enumerate(order)}
     codes = [x for n in operations for x in (tape.kinds[n], place[tape.left[n]], place[tape.right[n]])]
-    integers = np.array(codes, dtype=np.int64), np.array([place[n] for n in tape.results], dtype=np.int64)
-    return Program(*integers), tape._replace(results=shared)
+    results = [place[n] for n in tape.results]
+    return np.array(codes, dtype=np.int64), np.array(results, dtype=np.int64), tape._replace(results=shared)
 
 
 class LongTape:
@@ -238,8 +229,10 @@ def of_key(N: LongField, key: Key) -> Real:
 
 
 def applied(codes: Row, results: Row, fixed: Row, given: Row, room: Row, out: Row) -> None:
-    """Writes the results of a :class:`Program` at all points to ``out``. ``given`` has for each variable its values at
-    all points; ``room`` is memory for BLOCK values at each place of the program.
+    """Writes the values of a tape's results at all points to ``out``. ``codes`` are triples (kind, left, right) of
+    operations on places, and ``results`` are places: first those of the ``fixed`` numbers, then those of variables,
+    then those of operations. ``given`` has for each variable its values at all points; ``room`` is memory for BLOCK
+    values at each place.
     """
     count, wide = len(out) // len(results), len(results)
     variables = len(given) // count

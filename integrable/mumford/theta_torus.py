@@ -185,7 +185,7 @@ class ThetaTorus(FarTimes):
     def _placed(self, N: LongField, found: ScaledModel, basis: PairBasis, lifts: Lifts, timed: Rate | None) -> None:
         """Sets up the theta functions in a known basis; PrecisionLoss if their pairs are not those of the motion."""
         loops, model, places = CompiledLoops(), found.model, ends_of(found.roots, lifts)
-        self._count, row, places = min(len(lifts), len(places)), loops.row, places + ([4] if timed else [])
+        self._count, row, places = len(lifts), loops.row, places + ([4] if timed else [])
         ends = [end_of(N, found, k, lifts) for k in places]
         self._kappas = [Column.of(end.kappa) for end in ends[: self._count]]
         chars = [basis.chars[k] for k in (*places, 5)]

@@ -39,6 +39,9 @@ class GroupTranslations:
     have a point; a point at a double point of the curve has to stay there.
     """
 
+    _drifts = True
+    """Whether rounding moves sums off the curve."""
+
     def __init__(self, group: ExtendedGroup, direction: Sequence[Real], ends: Sequence[Real] = ()) -> None:
         self.group, self._ends = group, ends
         self.field: Any = group.field
@@ -46,7 +49,8 @@ class GroupTranslations:
         g = group.genus
         pair, point = through(self.field, xs[:g], ys[:g]), through(self.field, xs[g:], ys[g:])
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
-        self._series = PointMotion(self.field, group.f, (xs[:g], ys[:g]), direction, points, self._order())
+        order = self.field.bits // (PART - 1) + 8
+        self._series = PointMotion(self.field, group.f, (xs[:g], ys[:g]), direction, points, order)
         self.unit = self.field.coerce(2.0 ** (math.frexp(self._series.reach)[1] - 1 - PART))
         self._start = pair[0]
         zero = self.field.zero
@@ -64,10 +68,6 @@ class GroupTranslations:
     def _reference(self) -> tuple[list[Real], list[Real]]:
         """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
         return reference(self.group)
-
-    def _order(self) -> int:
-        """The number of terms of the series of E(τ)."""
-        return self.field.bits // (PART - 1) + 8
 
     def carried(self, D: Extended, tau: Real) -> Extended:
         """The divisor D + T(τ)."""
@@ -109,20 +109,22 @@ class GroupTranslations:
 
     def _moved(self, D: Extended, E: Extended) -> Extended:
         """D + T, where ``E`` is the reference divisor plus T."""
-        return self._settled(self._on_curve(self.group.add(self.group.add(D, E, *self._with), *self._back)))
+        return self._corrected(self.group.add(self.group.add(D, E, *self._with), *self._back))
 
     def _with_single(self, D: Extended, S: Extended) -> Extended:
-        """The divisor D + S, where S is a result of :meth:`_single`."""
-        total = self.group.add(D, S, *self._with)
+        """D + S, where S is a result of :meth:`_single`."""
         # on models of odd degree, sums in general position do not drift off the curve, but their lifts do
-        return self._settled(self._with_true_lifts(total) if self.group.odd else self._on_curve(total))
+        return self._corrected(self.group.add(D, S, *self._with), only_lifts=self.group.odd)
 
-    def _settled(self, D: Extended) -> Extended:
-        """D with its lifts (κ, σ, ν) as (κℓ², σ/ℓ, ν/ℓ), where degree and genus are odd and two sums divide κ by ℓ².
+    def _corrected(self, D: Extended, only_lifts: bool = False) -> Extended:
+        """D moved back onto the curve, or with ``only_lifts`` each lift back to the root that it is.
 
-        ℓ is the leading coefficient of f. So κ is the same at every time.
+        Where degree and genus are odd, the sums have divided κ by ℓ², with the leading coefficient ℓ of f. There each
+        lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
         """
         group = self.group
+        if self._drifts:
+            D = group.with_true_lifts(D) if only_lifts else group.retracted(D)
         if not (group.odd and group.genus % 2):
             return D
         c = 1 / group.f[-1]
@@ -131,12 +133,6 @@ class GroupTranslations:
             for kind, x in zip(group.kinds, D.data, strict=True)
         ]
         return D._replace(data=tuple(data))
-
-    def _on_curve(self, D: Extended) -> Extended:
-        return self.group.retracted(D)
-
-    def _with_true_lifts(self, D: Extended) -> Extended:
-        return self.group.with_true_lifts(D)
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""

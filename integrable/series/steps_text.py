@@ -77,7 +77,7 @@ class Series(Sums):
         lines += [f"  br label %{name}_again", f"{name}_again:", f"  {following} = add i64 {done}, {loop.at_once}"]
         more = self.text.write(f"icmp slt i64 {following}, {loop.end - loop.begin}")
         lines += [f"  br i1 {more}, label %{name}, label %{name}_end", f"{name}_end:"]
-        self._end_rounds()
+        self._recent, self._built, self._moving, self._before = {}, {}, {}, {}
 
     def _end_of_block(self) -> None:
         lines = self.text.lines

@@ -71,9 +71,6 @@ class Sums:
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
 
-    def _end_rounds(self) -> None:
-        self._recent, self._built, self._moving, self._before = {}, {}, {}, {}
-
     def _further(self, base: str, count: str, stride: int) -> str:
         """The pointer ``base`` moved by ``count``·``stride`` floats."""
         there = self.text.write(f"mul i64 {count}, {stride}")
