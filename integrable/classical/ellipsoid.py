@@ -73,7 +73,7 @@ class Ellipsoid(SurfaceSystem):
         return self.size - 1
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return (N.coerce(poly.integer(N, 2 if genus % 2 == 0 else -2)), *[N.zero] * (genus - 1))
+        return (poly.integer(N, 2 if genus % 2 == 0 else -2), *[N.zero] * (genus - 1))
 
     def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
         # dt/dτ = |U(0)|, and U(0) = (−1)^g·(the product of g positive roots)

@@ -22,6 +22,7 @@ from typing import NoReturn
 from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
+from integrable.phase.body import cross
 from integrable.phase.ways import times_in
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Numbers, Real
@@ -39,8 +40,8 @@ class KowalevskiTop(SurfaceSystem):
         self.field = check_field(field, "field")
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        (x, y, z), (p, q, r) = state
-        return Point((y * r - z * q, z * p - x * r, x * q - y * p), (q * r / 2, -(p * r + z) / 2, y))
+        (_, y, z), (p, q, r) = state
+        return Point(cross(N, *state), (q * r / 2, -(p * r + z) / 2, y))
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals l_1, l, k² and |γ|²."""
@@ -76,7 +77,7 @@ class KowalevskiTop(SurfaceSystem):
         return all_of(N, (f, u, v), 2)
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return N.zero, N.coerce(poly.integer(N, -2))
+        return N.zero, poly.integer(N, -2)
 
     def flow(self, state: Point, tolerance: float | None = None) -> NoReturn:
         """Raises NotRepresentable: divisors do not determine states rationally; ``line`` returns the divisors."""

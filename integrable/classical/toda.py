@@ -12,6 +12,9 @@ is −e_{n−2}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from math import prod
+from operator import mul
 from typing import SupportsIndex
 
 from integrable.mumford.fields import elementary
@@ -75,7 +78,7 @@ class TodaLattice(MumfordSystem):
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         (a, b), (_, d) = self._transfer(N, state)
         trace, size = poly.add(N, a, d), self.size
-        f = poly.sub(N, poly.mul(N, trace, trace), (N.coerce(poly.integer(N, 4)),))
+        f = poly.sub(N, poly.mul(N, trace, trace), (poly.integer(N, 4),))
         u = poly.monic(N, b[:size])
         return all_of(N, (f, u, poly.mod(N, poly.sub(N, a, d), u)), size - 1)
 
@@ -88,7 +91,7 @@ class TodaLattice(MumfordSystem):
         return self.size - 1
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
+        return (*[N.zero] * (genus - 1), poly.integer(N, -1))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
         """The form −x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
@@ -115,9 +118,7 @@ class TodaLattice(MumfordSystem):
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The coefficients of Δ, ascending, and H, which is a polynomial in them."""
-        energy = N.dot(state.p, state.p) / 2
-        for link in self._links(N, state):
-            energy = energy + link
+        energy = sum(self._links(N, state), N.dot(state.p, state.p) / 2)
         return {"trace": self._trace(N, state), "H": energy}
 
     def _trace(self, N: FormulaField, state: Point) -> poly.Poly:
@@ -127,9 +128,7 @@ class TodaLattice(MumfordSystem):
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         p, links = self._chain(N, start, (D.u, D.v))
-        q = [N.zero]
-        for link in links:
-            q.append(q[-1] + elementary(N, "log", link))
+        q = [*accumulate((elementary(N, "log", link) for link in links), initial=N.zero)]
         # the sum of the q is Σq(0) + tΣp
         total = sum(start.q, N.zero) + time * sum(start.p, N.zero)
         shift = (total - sum(q, N.zero)) / self.size
@@ -142,7 +141,7 @@ class TodaLattice(MumfordSystem):
         trace = self._trace(N, start)
         beta = trace[size - 1] - (u[size - 2] if size > 1 else N.zero)
         twice = poly.add(N, poly.add(N, trace, poly.trim(N, v) if N.exact else v), poly.mul(N, (beta, N.one), u))
-        half = 1 / N.coerce(poly.integer(N, 2))
+        half = 1 / poly.integer(N, 2)
         above, below = poly.scale(N, half, twice), u
         p, links = [], []
         for k in range(size):
@@ -176,9 +175,7 @@ class TodaLattice(MumfordSystem):
             f, u, v = self._spectral(N, here)
             pair = plus_point_minus_infinity(N, f, (u, v), (x, y), N.one if sheet == 1 else -N.one)
             p, links = self._chain(N, here, pair)
-            w = [self._first(N, here, links, x, sheet)]
-            for link in links:
-                w.append(w[-1] * link)
+            w = [*accumulate(links, mul, initial=self._first(N, here, links, x, sheet))]
             if N.exact:
                 return Point(tuple(here.q[0] * c for c in w), tuple(p))
             return Point(tuple(here.q[0] + elementary(N, "log", c) for c in w), tuple(p))
@@ -187,9 +184,7 @@ class TodaLattice(MumfordSystem):
 
     def _first(self, N: FormulaField, here: Point, new: list[Real], x: Real, sheet: int) -> Real:
         """X = e^{q̃_1 − q_1}, from the equations for p_1 and p_2, which are linear in X and 1/X."""
-        old, around = self._links(N, here), N.one
-        for link in new:
-            around = around * link
+        old, around = self._links(N, here), prod(new, start=N.one)
         left = [here.p[k % self.size] + x for k in (0, 1)]
         if sheet == 1:
             rows = ((N.one, 1 / around), (new[0] / old[0], old[0]))

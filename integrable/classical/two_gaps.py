@@ -86,7 +86,7 @@ class TwoGaps(MumfordSystem):
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         s1, _, _ = self._parameters_in(N)
-        return (N.coerce(poly.integer(N, -8)), -4 * s1)
+        return (poly.integer(N, -8), -4 * s1)
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         s1, s2, _ = self._parameters_in(N)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
-from math import sqrt
+from math import prod, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -183,9 +183,7 @@ def lift_of(Z: LongField, model: PairModel, e: Real) -> tuple[Real, Real, Real]:
 def without_root(even: PairModel) -> PairModel:
     """The motion in X = 1/(E − x), y = y_X/X³, where E is the largest root of a model of even degree."""
     (u0, u1), (v0, v1), (*roots, pole) = even.u, even.v, even.roots
-    lead = -even.lead
-    for e in roots:
-        lead *= pole - e
+    lead = prod((pole - e for e in roots), start=-even.lead)
     # with U = (x − E)² + a(x − E) + b and m = V(E) the points of the pair have X² = sX − p and X³y = (mX − v₁)X²
     a, b, m = u1 + 2 * pole, (pole + u1) * pole + u0, v1 * pole + v0
     s, p = a / b, 1 / b

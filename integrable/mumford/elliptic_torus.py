@@ -10,7 +10,7 @@ largest root.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import atan2, pi
+from math import atan2, pi, prod
 from typing import NamedTuple
 
 import numpy as np
@@ -196,10 +196,11 @@ class EllipticTorus(FarTimes):
         x, y = self._side * (self._first + one * one), self._slope * one * two * three
         if self._pole is not None:
             x, y = self._pole - 1 / x, y / (x * x)
-        data = []
-        for kappa, size, slope, which in self._lifts:
-            data.append((kappa, size * parts[which], slope * parts[which - 1] * parts[which - 2]))
-        return Extended((-x, Column(1.0)), (y,), tuple(data))
+        data = tuple(
+            (kappa, size * parts[which], slope * parts[which - 1] * parts[which - 2])
+            for kappa, size, slope, which in self._lifts
+        )
+        return Extended((-x, Column(1.0)), (y,), data)
 
 
 def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
@@ -207,9 +208,7 @@ def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
     lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
     if len(roots) == 4:
         *roots, pole = roots
-        lead, x = -lead, 1 / (pole - x)
-        for e in roots:
-            lead = lead * (pole - e)
+        lead, x = prod((pole - e for e in roots), start=-lead), 1 / (pole - x)
         roots, y = [1 / (pole - e) for e in roots], y * x * x
     side = 1
     if lead < 0:

@@ -46,7 +46,7 @@ def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Real]) -
     of_u = poly.mod(K, poly.mul(K, n, v), u)
     twice = poly.mod(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
     half = K.neg(K.inv(poly.integer(K, 2)))
-    return (*padded(K, of_u, size), K.zero), padded(K, [K.mul(half, c) for c in twice], size)
+    return (*padded(K, of_u, size), K.zero), padded(K, poly.scale(K, half, twice), size)
 
 
 def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
@@ -63,7 +63,7 @@ def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple
 
     half = K.inv(poly.integer(K, 2))
     of_v = alternating(values[2], u, values[0], rest)
-    return (*alternating(values[0], v, values[1], u), K.zero), tuple([K.mul(half, c) for c in of_v])
+    return (*alternating(values[0], v, values[1], u), K.zero), poly.scale(K, half, of_v)
 
 
 def lax_matrix(K: Arithmetic, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:

@@ -63,9 +63,7 @@ def _residual(K: Arithmetic, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
     """(Ũ, −R mod Ũ), where Ũ has the zeros of f − R² other than those of U and ``known``."""
     g = len(u) - 1
     difference = poly.sub(K, f, poly.mul(K, r, r))[: 2 * g + len(known)]
-    rest = poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1]
-    inverse = K.inv(rest[-1])
-    new = (*[K.mul(inverse, a) for a in rest[:-1]], K.one)
+    new = poly.monic(K, poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1])
     return new, padded(K, poly.mod(K, poly.neg(K, r), new), g)
 
 

@@ -86,7 +86,7 @@ class QuadricSystem(MumfordSystem):
         return all_of(N, (f, u, v), self._genus())
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -2)))
+        return (*[N.zero] * (genus - 1), poly.integer(N, -2))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
         """The form ½εy dx/f₁ of p dq, since dq_i/q_i = ½Σdx/(x − a_i) and ΣV(a_i)/(f₁'(a_i)(x − a_i)) = V/f₁."""

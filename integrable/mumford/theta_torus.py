@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from itertools import pairwise
-from math import frexp, pi
+from math import frexp, pi, prod
 from typing import NamedTuple
 
 import numpy as np
@@ -279,12 +279,11 @@ class End(NamedTuple):
 
 def end_of(N: LongField, found: ScaledModel, k: int, lifts: Lifts) -> End:
     """The :class:`End` of root number k, with the lift of the motion if it has one there."""
-    model, own, slope = found.model, lifts.get(found.roots[k]), N.one
+    model, own = found.model, lifts.get(found.roots[k])
     kappa, sigma, nu = own or lift_of(N, model, model.roots[k])
     size = N.sqrt(abs(kappa)).real / abs(found.length if own else 1.0)
     high = size * (found.length**2 / found.height if own else 1.0)
-    for e in (*model.roots[:k], *model.roots[k + 1 :]):
-        slope = slope * (model.roots[k] - e)
+    slope = prod((model.roots[k] - e for i, e in enumerate(model.roots) if i != k), start=N.one)
     return End(kappa, N.sqrt(N.sqrt(abs(slope))).real, (sigma * size, nu * high), (1 / size, 1 / high))
 
 

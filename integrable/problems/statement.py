@@ -116,7 +116,7 @@ class Problem:
 
     def _invariants(self, y: list[Any]) -> dict[str, Any]:
         """The left sides of the constraints, such as |q|², and the integrals of the motion scaled to |q| = 1."""
-        half, N, found = len(y) // 2, Arrays(), dict[str, Any]()
+        half, found = len(y) // 2, dict[str, Any]()
         q, p = y[:half], y[half:]
         unit, system = self.motion.unit, self.motion.in_floats
         if unit is not None:
@@ -128,11 +128,8 @@ class Problem:
             size = np.sqrt(found[f"|{q_name}|²"])
             q, p = [x / size**unit.q for x in q], [x / size**unit.p for x in p]
         if not self.scene.classical:
-            moments, d = [float(x) + float(system.d) for x in system.inertia], float(system.d)
-            turn = [m / x for x, m in zip(moments, p, strict=True)]
-            rest = 1 - N.dot(q, [d * x / e for e, x in zip(moments, q, strict=True)])
-            return found | {"H1": N.dot(p, turn) + d * N.dot(q, turn) ** 2 / rest, "H2": N.dot(p, p)}
-        for name, value in system.system._integrals(N, Point(tuple(q), tuple(p))).items():
+            return found | dict(zip(("H1", "H2"), system.body.energies(q, p), strict=True))
+        for name, value in system.system._integrals(Arrays(), Point(tuple(q), tuple(p))).items():
             several = value if isinstance(value, tuple) else (value,)
             found |= {f"{name} {i}" if len(several) > 1 else name: x for i, x in enumerate(several)}
         return found

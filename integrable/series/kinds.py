@@ -79,7 +79,7 @@ class Near(NamedTuple):
         return self.places is not None and len(self.places) < count
 
     def among(self, order: np.ndarray) -> Near:
-        """The same states among more times, if the times asked for are number ``order[0]``, ``order[1]`` … of these."""
+        """The same states, if the times asked for are those with the indices ``order`` among more times."""
         return self._replace(places=order if self.places is None else order[self.places])
 
 

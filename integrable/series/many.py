@@ -67,7 +67,7 @@ class _Walks:
         # the motions whose times are in the order of one walk
         whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
         behind = np.take_along_axis(times < 0, order, axis=1) & ~whole[:, None]
-        # motion m has the walks 2m and 2m + 1, the latter for times < 0
+        # motion m has walk 2m, and walk 2m + 1 for its times < 0 if its times are not in the order of one walk
         number = (2 * np.arange(count)[:, None] + behind).ravel()
         rows = np.argsort(number, kind="stable")
         self.walk_of, self.columns = number[rows], order.ravel()[rows]

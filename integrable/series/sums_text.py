@@ -159,7 +159,7 @@ class Sums:
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
-        """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node: its part of the sums of a vector."""
+        """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, taken from the vector with this sum."""
         nodes = self.room.pack_of[n]
         found = self._sums_of_earlier(nodes, k)
         return found and self._apart(self._vector(nodes), nodes, found)[n]
@@ -303,8 +303,8 @@ class Sums:
         return sums
 
     def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
-        """Adds to each of the first ``count`` sums the product of the left factor with the right factor of the next
-        order, doubled if ``twice``.
+        """Adds to ``sums``[m], m < ``count``, the product of the left factor with the right factor m orders on, doubled
+        if ``twice``.
         """
         (up, side, j), (down, other, i) = left, right
         x = text.load(self._place(side, j, 0), up)

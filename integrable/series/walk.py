@@ -408,7 +408,7 @@ def largest(layout: Layout, room: Array, begin: int, k: int) -> float:
 
 def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
     """The step that the series of a walk allow: the longest for which its last two terms, and its first two terms in
-    floats, meet the bounds. They are known by the ratios of their coefficients to the size of the variables.
+    floats, meet the bounds. The memory has the ratios of their coefficients to the size of the variables.
 
     0 if a ratio is not finite, or if all ratios underflow to 0. FARTHEST if the motion is exactly linear in time.
     """
@@ -516,7 +516,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
                 marks[row] = WRONG
                 wrong += 1
             worst = widest if not widest <= worst else worst
-            # the last row's difference is predicted on the assumption that it grows linearly in time, or faster
+            # the difference grows at least linearly in time, so that of the last row is at least ``widest``·last/way
             way = abs(times[row])
             if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
                 first = rows if lost == 0 else first
