@@ -85,7 +85,7 @@ class HenonHeiles(QuadricSystem):
         first, *q = state.q
         b = beta + 2 * alpha * first
         c = gamma + 2 * beta * first + 4 * alpha * first * first + alpha * N.dot(q, q)
-        return Shape((-2 * first, N.one), (-state.p[0],), (c, b, alpha))
+        return (-2 * first, N.one), (-state.p[0],), (c, b, alpha)
 
     def _genus(self) -> int:
         return self.size

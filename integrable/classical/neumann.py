@@ -42,7 +42,7 @@ class Neumann(SurfaceSystem, QuadricSystem):
         vars(self)["_largest"] = largest
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
-        return Shape((), (), (-N.one,))
+        return (), (), (-N.one,)
 
     def _genus(self) -> int:
         return self.size - 1

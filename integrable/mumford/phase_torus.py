@@ -35,11 +35,10 @@ class PhaseTorus(FarTimes):
     def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:
         self._torus, self._read, self._floats = torus, read, torus.in_floats
         self._genus, self._round = len(torus.ovals), Column(*inverse_factorials()[0])
-        self._frequencies = [Column.of(x) for x in torus.frequencies]
-        self._places = [Column.of(x) for x in torus.phases]
+        self._frequencies, self._places = [*map(Column.of, torus.frequencies)], [*map(Column.of, torus.phases)]
         self.paces = [float(x) for x in torus.frequencies if x]
         self._means, self._waves = [*map(_columns, torus.means)], [*map(_waves, torus.waves)]
-        self._begin = [Column.of(x) for x in torus.swings_at_start]
+        self._begin = [*map(Column.of, torus.swings_at_start)]
 
     def at(self, times: np.ndarray) -> Any:
         """The values of ``read`` at N times."""
@@ -109,7 +108,7 @@ class PhaseTorus(FarTimes):
 
 
 def _columns(values: Sequence[Real]) -> Column:
-    """Long numbers as one column of shape (n, 1)."""
+    """Long numbers as one column, shape (n, 1)."""
     high, low = double_double_row(values).T
     return Column(high[:, None], low[:, None])
 

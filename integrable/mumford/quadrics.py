@@ -13,7 +13,7 @@ determined, also after q_i passes 0. If l_i ≠ 0, q_i does not vanish and keeps
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import Point
@@ -26,13 +26,8 @@ from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, shown
 from jacobian.relatives.extended import Extended, Lift
 
-
-class Shape(NamedTuple):
-    """The polynomials u₀, ½u₀' and w₀ at a state."""
-
-    u: poly.Poly
-    v: poly.Poly
-    w: poly.Poly
+Shape = tuple[poly.Poly, poly.Poly, poly.Poly]
+"""The polynomials u₀, ½u₀' and w₀ at a state."""
 
 
 class QuadricSystem(MumfordSystem):
@@ -71,15 +66,15 @@ class QuadricSystem(MumfordSystem):
         return bool(barrier != self.field.zero)
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
-        (q, p), shape = self._axes(state), self._shape(N, state)
+        (q, p), (u0, v0, w0) = self._axes(state), self._shape(N, state)
         f1 = poly.from_roots(N, self._constants_in(N))
 
         def with_poles(over: poly.Poly, weights: Sequence[Real]) -> poly.Poly:
             return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self.sign * x for x in weights]))
 
-        u = with_poles(shape.u, [x * x for x in q])
-        v = with_poles(shape.v, [x * y for x, y in zip(q, p, strict=True)])
-        w = with_poles(shape.w, [-(y * y + pull) for y, pull in zip(p, self._pull(N, state), strict=True)])
+        u = with_poles(u0, [x * x for x in q])
+        v = with_poles(v0, [x * y for x, y in zip(q, p, strict=True)])
+        w = with_poles(w0, [-(y * y + pull) for y, pull in zip(p, self._pull(N, state), strict=True)])
         # coefficients that the constraints fix are set to their exact values
         u, v = (*padded(N, u, self._genus()), N.one), padded(N, v, self._genus())
         f = poly.add(N, poly.mul(N, v, v), poly.mul(N, u, w))
