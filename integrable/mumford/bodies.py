@@ -19,7 +19,7 @@ from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
-from integrable.mumford.body_clocks import SPARE, SeriesClock, Unit, WalkedClock
+from integrable.mumford.body_clocks import SPARE, SeriesClock, WalkedClock
 from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.surfaces import SurfaceSystem
@@ -28,6 +28,7 @@ from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
 from integrable.phase.ways import Cost
 from integrable.portrait.point_ovals import Form, Separation
+from integrable.torus.lattice import RateCurve
 from jacobian import MP, RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
@@ -90,7 +91,7 @@ class BodyFlow(MumfordFlow):
         K = MP(digits + SPARE)
         try:
             wide = MP(digits + SPARE + self.system.close_digits(MP(digits + MOST_SHARED)))
-            return SeriesClock(wide, self.system._unit(wide, self._inner(wide)), digits)
+            return SeriesClock(wide, *self.system._rate_curve(wide, self._inner(wide)), digits)
         except PrecisionLoss:
             # the ovals meet or nearly meet, and no Fourier series resolves t(τ)
             reals = BareReals(K.context.prec)
@@ -210,8 +211,11 @@ class BodySystem(SurfaceSystem):
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
-    def _unit(self, N: FormulaField, state: Point) -> Unit:
-        """The :class:`Unit` of a state, in X = 1 − l(x)/L with L = 2 max c_i, and in a constant multiple Y of y."""
+    def _rate_curve(self, N: FormulaField, state: Point) -> tuple[RateCurve, tuple[Real, Real]]:
+        """The motion on Y² = (X − ζ)Π(α_i − X)(1 − X), X = 1 − l(x)/L with L = 2 max c_i, for a :class:`SeriesClock`.
+
+        The start of the curve is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where dt/dτ = 1/√Σσ_i².
+        """
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()
         size = 2 * max(weights)
@@ -226,8 +230,8 @@ class BodySystem(SurfaceSystem):
         pace, alphas = -q * height / size, tuple(1 - c / size for c in weights)
         nus = (nu / (2 * momentum) for _, nu in pairs)
         start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
-        direction = pace, pace * (1 - p / size)
-        return Unit(alphas, 1 - (p + q * h1 / h2) / size, start, direction)
+        axes, zeta = (*alphas, *[N.one] * 4, N.zero), 1 - (p + q * h1 / h2) / size
+        return RateCurve(axes, zeta, N.one, start, N.zero), (pace, pace * (1 - p / size))
 
 
 def _rate(N: FormulaField, D: Extended) -> tuple[tuple[Real]]:

@@ -27,19 +27,6 @@ SPARE = 20
 MOST_PANELS, NODES_A_DIGIT = 64, 2
 
 
-class Unit(NamedTuple):
-    """A body's motion on Y² = (X − ζ)Π(α_i − X)(1 − X), with ``alphas`` α_i and ``zeta`` ζ.
-
-    ``start`` is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where dt/dτ = 1/√Σσ_i². ``direction`` is d/dτ of the
-    sums ∫dX/Y and ∫XdX/Y over both points.
-    """
-
-    alphas: tuple[Real, ...]
-    zeta: Real
-    start: tuple[Real, ...]
-    direction: tuple[Real, Real]
-
-
 class RateSource(NamedTuple):
     """The data from which the modes of dt/dτ are made: a :class:`integrable.torus.oval_modes.ModesSource`."""
 
@@ -54,18 +41,18 @@ class RateSource(NamedTuple):
 
 
 class SeriesClock:
-    """τ(t) of a motion over the field ``wide``, to ``digits`` digits.
+    """τ(t) of a motion on the curve of ``problem`` over the field ``wide``, to ``digits`` digits.
 
-    PrecisionLoss if the torus is not compact because the ovals meet.
+    ``direction`` is d/dτ of the sums ∫dX/Y and ∫XdX/Y over both points. PrecisionLoss if the torus is not compact
+    because the ovals meet.
     """
 
-    def __init__(self, wide: MultiprecisionField, unit: Unit, digits: int) -> None:
-        one, zero = wide.one, wide.zero
-        axes = (*unit.alphas, one, one, one, one, zero)
-        problem = RateCurve(axes, unit.zeta, one, unit.start, zero)
+    def __init__(
+        self, wide: MultiprecisionField, problem: RateCurve, direction: tuple[Real, Real], digits: int
+    ) -> None:
         source = RateSource(problem, wide, BareReals(wide.context.prec), digits)
         # Newton's method for τ needs phases that change little per unit time, so the unit is 1/|direction[0]|
-        first, second = unit.direction
+        first, second = direction
         self._unit = 1 / abs(first)
         direction = first * self._unit, second * self._unit
         self._clock = LongClock(modes_of_rate(source, digits, direction), digits, wide)
