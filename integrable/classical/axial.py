@@ -1,8 +1,7 @@
 """Common formulas of Lagrange's top and the spherical pendulum, on a curve y² = f(z) of genus 1.
 
-z is the height of the axis, and g its horizontal part, stored as lifts at z = ±1. U is x − z and V is z'. With
-constants m₁ and m₂ of the motion, f is cubic with leading coefficient 2, f(1) = −m₁² and f(−1) = −m₂². With constants w
-and C,
+z is the height of the axis, and the complex number g its horizontal part. U is x − z and V is z'. With constants m₁ and
+m₂ of the motion, f is cubic with leading coefficient 2, f(1) = −m₁² and f(−1) = −m₂². With constants w and C,
 
     g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
 
@@ -82,13 +81,14 @@ class AxialSystem(SurfaceSystem):
         raise NotImplementedError
 
     def _ends(self, N: FormulaField, axis: Axis) -> list[tuple[Real, Real]]:
-        """The points of the two lifts: ((1, −im₁), (−1, −im₂))."""
+        """The points (1, −im₁) and (−1, −im₂) of the lifts."""
         i = N.coerce(1j)
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start if it is a branch point, else None. The lift at this end
-        equals g at the start.
+        """The index of the end z = ±1 nearer to the start, if it is a branch point: there the lift is g at the start.
+
+        None if it is no branch point: both lifts are then 1 at the start.
         """
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
@@ -166,6 +166,6 @@ def branches(m: Real) -> bool:
 
 
 def heavy(N: Arithmetic, h: Real, along: poly.Poly) -> poly.Poly:
-    """The f of a top or pendulum: 2(1 − x²)(h − x) minus the square of ``along``, which is ±m at x = ±1."""
+    """The cubic f = 2(1 − x²)(h − x) − L(x)², where ``along`` is L with L(1)² = m₁² and L(−1)² = m₂²."""
     height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (h, -N.one))
     return poly.sub(N, height, poly.mul(N, along, along))

@@ -30,7 +30,7 @@ class AxialThetas(NamedTuple):
 
     ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers), dv/dt,
     R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c) of a top
-    (:mod:`integrable.classical.lagrange`). A row of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and
+    (:mod:`integrable.classical.lagrange`). Row n of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and
     θ₁(v − iβ), two each, and of θ₁ and θ₂, then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!.
     ``top`` is true if p is M, false if it is the velocity.
     """
@@ -58,7 +58,7 @@ def axis_at(motion: AxialThetas, time: Real) -> tuple[Triple, Triple]:
     numbers, table = motion.numbers, motion.table
     cv, sv = circle((numbers[0] * time + numbers[2]) / 2, motion.inverse)
     zero = 0 * cv
-    # ce and se are cos and sin of 2nv; c2 and s2, those of 2v, lead from 2nv to (2n + 2)v
+    # ce and se are cos and sin of 2nv, c2 and s2 those of 2v
     ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
     upr, upi, dupr, dupi = zero, zero, zero, zero
     low, lowi, dlow, dlowi = zero, zero, zero, zero

@@ -30,15 +30,13 @@ from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.double_double import double_double_row
 
-# roots have BITS bits, half of which are lost if two roots nearly coincide; later quantities have FEWER_BITS bits
+# roots are computed in BITS bits, half of which are lost if two roots nearly coincide, all else in FEWER_BITS bits
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
 # a gap below LOST times the spread of the roots has no correct digits; a swing x₂ − x₁ below NOTHING times the other
 # gaps has no effect on states in floats
 LOST, NOTHING = 2.0**-130, 2.0**-90
-
-
 Arrays = tuple[np.ndarray, ...]
 
 
@@ -89,15 +87,14 @@ class AxialFlow(MumfordFlow):
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function that returns q and p, with g = C·e^{iδ}√|z − 1|√|z + 1|, δ the angle about the vertical.
-
-        A root that can vanish is replaced by a lift, which changes sign there.
+        """The function of :meth:`MumfordFlow._reader_in_floats`, where g = C·e^{iδ}√|z − 1|√|z + 1| with the angle δ
+        about the vertical. A root that can vanish is replaced by a lift, which changes sign there.
         """
         system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 
         def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
-            """The height z, z', and for C = 1 the horizontal part g and g'."""
+            """(z, z', g, g') for C = 1."""
             u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z
@@ -217,9 +214,8 @@ def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: 
 
 
 def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]], Real]:
-    """The sum and the difference of the coefficients of e^{±ikv} in θ₂(v − i·angle), k = 2n + 1, n < ``count``.
-
-    The coefficients are divided by the largest one. The second result is −iθ₂'/θ₂ at −i·angle.
+    """For k = 2n + 1, n < ``count``, the sum and the difference of the coefficients of e^{ikv} and e^{−ikv} in
+    θ₂(v − i·angle), divided by the largest of all. The second result is −iθ₂'/θ₂ at −i·angle.
     """
     import gmpy2
 

@@ -73,13 +73,11 @@ class Ellipsoid(SurfaceSystem):
         return self.size - 1
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return (N.coerce(poly.integer(N, 2 if genus % 2 == 0 else -2)), *[N.zero] * (genus - 1))
-
-    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
-        return u[0] if len(u) % 2 else -u[0]
+        return (poly.integer(N, 2 if genus % 2 == 0 else -2), *[N.zero] * (genus - 1))
 
     def _clock(self, N: FormulaField, D: Extended) -> tuple[Real, Real]:
-        return -D.data[-1] / 2, self._time_rate(N, D.u)
+        # dt/dτ = |U(0)|, and U(0) = (−1)^g·(the product of g positive roots)
+        return -D.data[-1] / 2, D.u[0] if len(D.u) % 2 else -D.u[0]
 
     clocked = True
 
@@ -121,7 +119,7 @@ class Ellipsoid(SurfaceSystem):
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
             for _ in range(MOST_STEPS):
-                # 1/``total`` is concave in −x, so Newton's method from x = 0 decreases x monotonically
+                # Newton's method for 1/``total`` = 1, which is concave in −x: from 0 on x decreases monotonically
                 parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
                 total = sum(parts, L.zero)
                 slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
@@ -149,8 +147,8 @@ class Ellipsoid(SurfaceSystem):
         return self._mapped(state, point, formula)
 
     def _moved(self, N: FormulaField, state: Point, x: Real, h: Real) -> Point:
-        """The new state: its tangent, followed backwards, and that of ``state`` meet the quadric Σy_i²/(a_i − x) = 1
-        after the time ``h``.
+        """The state whose tangent, backwards, meets the quadric Σy_i²/(a_i − x) = 1 after the time ``h``, as the
+        tangent of ``state`` does forwards.
         """
         a, slope = self._constants_in(N), x / h
         roots = [N.sqrt(e / (e - x)) for e in a]

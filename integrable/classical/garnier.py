@@ -39,7 +39,7 @@ class Garnier(QuadricSystem):
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         alpha, beta = self._parameters_in(N)
-        return Shape((N.one,), (), (beta - alpha * N.dot(state.q, state.q), alpha))
+        return (N.one,), (), (beta - alpha * N.dot(state.q, state.q), alpha)
 
     def _genus(self) -> int:
         return self.size

@@ -68,7 +68,7 @@ class HenonHeiles(QuadricSystem):
 
     @property
     def _varied(self) -> dict[str, float]:
-        # a barrier turns the motion back at q_i = 0, so that states do not depend on it smoothly at l_i = 0
+        # for l_i ≠ 0 the motion turns back before q_i = 0, for l_i = 0 it does not: it is not smooth in l_i at 0
         found = super()._varied
         walls = list(found)[-len(self.constants) :]
         return {**found, **{name: 0.0 for name, x in zip(walls, self._barriers(), strict=True) if not self._stands(x)}}
@@ -85,7 +85,7 @@ class HenonHeiles(QuadricSystem):
         first, *q = state.q
         b = beta + 2 * alpha * first
         c = gamma + 2 * beta * first + 4 * alpha * first * first + alpha * N.dot(q, q)
-        return Shape((-2 * first, N.one), (-state.p[0],), (c, b, alpha))
+        return (-2 * first, N.one), (-state.p[0],), (c, b, alpha)
 
     def _genus(self) -> int:
         return self.size

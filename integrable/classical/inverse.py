@@ -11,9 +11,10 @@ from typing import Any
 
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.mumford.flow import Point
+from integrable.mumford.system import elements
 from integrable.phase.precisions import long_digits
 from jacobian.element import Real, Value
-from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
+from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.linear import pivoted
 
 # the search ends at a residual of LAST rounding units or after MOST steps, each halved at most HALVINGS times
@@ -40,7 +41,8 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
         raise ArgumentError(f"last = {shown(last)}: another point than first is needed")
     basis, landing = (_tangents(ellipsoid, x, chord) for x in (q, target))
 
-    # a line along the normal at the target meets the ellipsoid in two points; only one is on the target's side
+    # ``missed`` vanishes at both points where the normal line at the target meets the ellipsoid; (end, facing) is the
+    # scalar product of the normals at ``end`` and at the target, which is negative at the wrong point
     facing = [x / e / e for x, e in zip(target, ellipsoid.constants, strict=True)]
 
     def velocity(w: Sequence[Real]) -> tuple[Real, ...]:
@@ -53,7 +55,8 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
         gap = [x - y for x, y in zip(end, target, strict=True)]
         return [K.dot(e, gap) for e in landing]
 
-    # the initial length is the arc from q to the target of the circle whose tangent at q is the first basis vector
+    # the first guess is along ``basis[0]``, the chord's projection to the tangent space; its length is that of the arc
+    # from q to the target on the circle with this tangent
     along, length = float(K.dot(chord, basis[0])), float(K.sqrt(K.dot(chord, chord)))
     angle = acos(min(1.0, along / length))
     arc = length * angle / sin(angle) if angle else length
@@ -63,11 +66,10 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
 
 
 def _on(ellipsoid: Ellipsoid, x: Iterable[Value], name: str) -> tuple[Real, ...]:
-    K, wanted = ellipsoid.field, f"{ellipsoid.size} numbers, a point of the ellipsoid"
-    q = tuple(K.coerce(c, name) for c in entries(x, name, wanted))
-    level = K.dot([c / e for c, e in zip(q, ellipsoid.constants, strict=False)], q) if len(q) == ellipsoid.size else 0
-    if abs(level - 1) > OFF:
-        raise ArgumentError(f"{name} = {shown(x)}: {wanted}, is needed")
+    K, wanted = ellipsoid.field, f"{ellipsoid.size} numbers, a point of the ellipsoid,"
+    q = elements(K, x, name, ellipsoid.size, wanted)
+    if abs(K.dot(ellipsoid._normal(K, q), q) - 1) > OFF:
+        raise ArgumentError(f"{name} = {shown(x)}: {wanted} is needed")
     return ellipsoid._constrained(K, Point(q, q)).q
 
 
@@ -76,7 +78,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Real], chord: Sequence[Real]) ->
     K, size = ellipsoid.field, ellipsoid.size
     units = [[K.one if i == j else K.zero for j in range(size)] for i in range(size)]
     basis: list[list[Real]] = []
-    for given in ([x / e for x, e in zip(q, ellipsoid.constants, strict=True)], chord, *units):
+    for given in (ellipsoid._normal(K, q), chord, *units):
         rest = list(given)
         for _ in range(2):
             for e in basis:
@@ -90,7 +92,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Real], chord: Sequence[Real]) ->
 
 
 def _root(K: Any, f: Callable[[Sequence[Real]], list[Real]], x: list[Real], size: Real) -> list[Real]:
-    """A zero of n functions of n variables by Broyden's method (1965), from a Jacobian by finite differences."""
+    """A zero of n functions of n variables by Broyden's method (1965), which starts from difference quotients."""
     norm, y = lambda v: K.sqrt(K.dot(v, v)), f(x)
     step = K.sqrt(K.eps) * norm(x)
     moved = [f([*x[:j], x[j] + step, *x[j + 1 :]]) for j in range(len(x))]

@@ -45,11 +45,9 @@ if TYPE_CHECKING:
 
     Profile = EllipticTorus | ThetaTorus | PhaseTorus
 
-# a profile is u at one t, computed on a torus from a pair of PROFILE_DIGITS digits; a narrow band may lose MOST_LOST
-# bits
-PROFILE_DIGITS, MOST_LOST = 60, 24
-# least number of x at one t for which a profile is computed
-MANY = 24
+# a profile is u as a function of x at one t, computed for MANY x or more on the torus of the motion in x, which starts
+# from a pair of PROFILE_DIGITS digits. In genus ≥ 3 at most MOST_LOST of its bits may be lost because of narrow bands
+PROFILE_DIGITS, MOST_LOST, MANY = 60, 24, 24
 
 
 class Eigenvalues(NamedTuple):
@@ -121,7 +119,7 @@ class KdV(Made):
         return Spectral(poly.neg(K, poly.from_roots(K, edges)), *through(K, [x for x, _ in points], ys))
 
     def _moving(self, K: FormulaField, state: Eigenvalues) -> tuple[list[Real], list[tuple[Real, int]]]:
-        """The edges and the pairs (γ_j, sign), without double edges at a γ_j: such a γ_j never moves."""
+        """The edges and the pairs (γ_j, sign), without each γ_j at a double edge, which never moves, and that edge."""
         edges, points = [*map(K.coerce, self.edges)], []
         for x, sign in zip(map(K.coerce, state.gamma), state.signs, strict=True):
             if edges.count(x) > 1:
@@ -191,19 +189,17 @@ class Wave:
         def value(x: Real, t: Real) -> Real:
             if not self._genus:
                 return exact_times([self._edges[0]])[0]
-            lost = lost_bits(self._genus, x, t)
-            return motion.narrow(lambda place: self._ball(place, x, t), lost)[0]
+
+            def read(place: EnclosedPlace) -> tuple[Real, Real]:
+                K = place.field
+                ((u, span),) = self._read(K, place.at(K.coerce(x), (K.coerce(t),)))
+                return u, widest(((u,), span))
+
+            return motion.narrow(read, lost_bits(self._genus, x, t))[0]
 
         xs, ts = self._given(x, t)
         balls = [value(*pair) for pair in zip(xs.flat, ts.flat, strict=True)]
         return np.array(balls, dtype=object).reshape(xs.shape)
-
-    def _ball(self, place: EnclosedPlace, x: Real, t: Real) -> tuple[Real, Real]:
-        """A ball around u, and its radius relative to the span of the edges."""
-        K = place.field
-        D = place.at(K.coerce(x), (K.coerce(t),))
-        ((value, span),) = self._read(K, D)
-        return value, widest(((value,), span))
 
     def _given(self, x: Numbers, t: Numbers) -> list[np.ndarray]:
         """x and t, broadcast to arrays of one shape, with elements of the field."""
@@ -222,9 +218,7 @@ class Wave:
             ) from None
 
     def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
-        """u at many x and one t, from the torus of the motion in x if there are MANY floats or more and additions
-        confirm it.
-        """
+        """u at many x and one t: from a profile for MANY floats or more, else by additions."""
         if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
@@ -233,7 +227,7 @@ class Wave:
         return [self._value(x, t) for x in xs.tolist()]
 
     def _profile(self, t: float) -> Profile | None:
-        """The torus of the motion in x at a time, if it agrees with additions; only the last torus is cached."""
+        """The profile at a time, if additions agree with it; only the last one is cached."""
         if t not in self._profiles:
             try:
                 torus = self._made_profile(t)
@@ -267,7 +261,6 @@ class Wave:
             return PhaseTorus(torus, lambda halves, _: Extended(*torus.pair_at(Columns(), halves, ())[:2]))
 
     def _on(self, torus: Profile, xs: np.ndarray) -> np.ndarray:
-        """u at many x, from a torus."""
         from integrable.mumford.columns import Column, Columns
 
         ((u, _),) = self._read(Columns(), torus.at(xs))
@@ -286,8 +279,8 @@ class Wave:
 
         Between these points U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at
         rates of at most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below
-        the square root of the rounding unit. Two precisions lose the same bits, so comparing them does not show the
-        loss. The width of the band bounds it.
+        the square root of the rounding unit. Both precisions that are compared lose these bits, so their difference
+        does not show the loss. The width of the band bounds it.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

@@ -22,6 +22,7 @@ from typing import NoReturn
 from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
+from integrable.phase.body import cross
 from integrable.phase.ways import times_in
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Numbers, Real
@@ -39,8 +40,8 @@ class KowalevskiTop(SurfaceSystem):
         self.field = check_field(field, "field")
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        (x, y, z), (p, q, r) = state
-        return Point((y * r - z * q, z * p - x * r, x * q - y * p), (q * r / 2, -(p * r + z) / 2, y))
+        (_, y, z), (p, q, r) = state
+        return Point(cross(N, *state), (q * r / 2, -(p * r + z) / 2, y))
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals l_1, l, k² and |γ|²."""
@@ -68,22 +69,18 @@ class KowalevskiTop(SurfaceSystem):
         half, growth = 1 / (2 * q * q), -2 * of_q / q
         u = (R1 * half / 2, R * half, N.one)
         v = ((of_R1 / 2 * half + u[0] * growth) / 2, (of_R * half + u[1] * growth) / 2)
-        return all_of(N, (self._curve(N, l1, along, square), u, v), 2)
-
-    def _curve(self, N: FormulaField, l1: Real, along: Real, square: Real) -> poly.Poly:
         g2 = square - 1 + 3 * l1 * l1
         g3 = l1 * (square - 1 - l1 * l1) + along * along
         s = (l1 / 2, N.one / 2)
-        cubic = poly.sub(
-            N, poly.mul(N, poly.mul(N, s, s), poly.scale(N, N.coerce(poly.integer(N, 4)), s)), poly.scale(N, g2, s)
-        )
-        return poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
+        cubic = poly.sub(N, poly.mul(N, poly.mul(N, s, s), (2 * l1, 2 * N.one)), poly.scale(N, g2, s))
+        f = poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
+        return all_of(N, (f, u, v), 2)
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return N.zero, N.coerce(poly.integer(N, -2))
+        return N.zero, poly.integer(N, -2)
 
     def flow(self, state: Point, tolerance: float | None = None) -> NoReturn:
-        """Raises NotRepresentable: states cannot be recovered from divisors; ``line`` returns the divisors."""
+        """Raises NotRepresentable: divisors do not determine states rationally; ``line`` returns the divisors."""
         raise NotRepresentable(
             f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"
         )

@@ -61,7 +61,7 @@ class KuzminKutuzov(MumfordSystem):
         return product, N.sqrt(N.dot(state.q, state.q) + a + c + 2 * product)
 
     def _along(self, N: FormulaField, state: Point) -> tuple[Real, Real]:
-        """The sums A = (q, p) and B = c²(xẋ + yẏ) + a²zż."""
+        """A = (q, p) and B = c²(xẋ + yẏ) + a²zż."""
         a, c = self._squares(N)
         flat, high = N.dot(state.q[:2], state.p[:2]), state.q[2] * state.p[2]
         return flat + high, c * flat + a * high
@@ -87,7 +87,7 @@ class KuzminKutuzov(MumfordSystem):
         return {"E": N.dot(state.p, state.p) / 2 - mass / total, "L": along, "I": third}
 
     def _quartic(self, N: FormulaField, state: Point) -> poly.Poly:
-        """The polynomial 2P₄ of a state."""
+        """2P₄."""
         (a, c), (energy, along, third) = self._squares(N), self._integrals(N, state).values()
         mass = 2 * self._parameters_in(N)[0]
         inner = (-2 * (energy * c + third) - mass * self._constants_in(N)[1], mass, 2 * energy)
@@ -105,16 +105,13 @@ class KuzminKutuzov(MumfordSystem):
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.one, N.zero
 
-    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
-        return u[0] * u[1]
-
     def _separation(self, N: FormulaField, state: Point) -> Separation:
         (a, c), (energy, along, _) = self._constants_in(N), self._integrals(N, state).values()
         if not energy < 0:
             raise NotRepresentable("E ≥ 0: this star is unbound, and its far motion lies on no torus")
         still, time = (N.zero, N.one), (N.zero, -c * c, N.zero, N.one)
         action = Form((N.zero, *self._quartic(N, state)), (a, -a))
-        # the forms have no poles at L = 0, where a is a branch point
+        # at L = 0 a is a branch point, and the azimuth does not change
         turn = Form((N.zero,)) if along == 0 else Form(poly.scale(N, along, time), (a, -a))
         known = (c, -c) if along != 0 else (c, -c, a, -a)
         return Separation([Form(still), Form(time)], (N.zero, N.one), action, [(turn, N.zero)], (along,), known)
@@ -140,7 +137,7 @@ class KuzminKutuzov(MumfordSystem):
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:
-            # for L ≠ 0 R never vanishes, so its lift is a root of constant sign
+            # for L ≠ 0 R never vanishes, and its lift is a positive root
             sigma = N.sqrt(-(self._side * poly.evaluate(N, D.u, a)))
             lifts.append((-self._side, sigma, -(self._side * poly.evaluate(N, D.v, a)) / sigma))
             spin = self._integrals(N, start)["L"] / (sigma * self._scales(N, D.u, a)[1])
@@ -158,7 +155,7 @@ class KuzminKutuzov(MumfordSystem):
         return 1 if self.constants[0] > self.constants[1] else -1
 
     def _scales(self, N: FormulaField, u: poly.Poly, e: Real) -> tuple[Real, Real]:
-        """|a² − c²|, and the quotient √(U(−e)/|a² − c²|) of a coordinate by its lift at s = e."""
+        """|a² − c²|, and √(U(−e)/|a² − c²|), by which the lift at s = e is multiplied to give z or R."""
         a, c = self._squares(N)
         wide = self._side * (a - c)
         return wide, N.sqrt(poly.evaluate(N, u, -e) / wide)

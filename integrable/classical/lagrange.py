@@ -14,7 +14,7 @@ from integrable.classical.axial import AxialSystem, Axis, heavy
 from integrable.classical.axial_torus import AxialFlow
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName
-from integrable.phase.body import Vector
+from integrable.phase.body import Vector, cross
 from jacobian import RR
 from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field, check_field
@@ -35,10 +35,9 @@ class LagrangeTop(AxialSystem):
         vars(self).update(field=check_field(field, "field"), parameters=(field.coerce(j, "j"),))
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        (x, y, z), (a, b, c) = state
+        (x, y, _), (a, b, c) = state
         turn = self._parameters_in(N)[0] * c
-        rates = (y * turn - z * b, z * a - x * turn, x * b - y * a)
-        return Point(rates, (b * (turn - c) + y, a * (c - turn) - x, a * b - b * a))
+        return Point(cross(N, state.q, (a, b, turn)), (b * (turn - c) + y, a * (c - turn) - x, a * b - b * a))
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The integrals h, L = (M, γ), c = M_3 and |γ|²."""
@@ -52,7 +51,7 @@ class LagrangeTop(AxialSystem):
 
     @staticmethod
     def _at_ends(N: FormulaField, state: Point) -> tuple[Real, Real]:
-        """The products (M, q − e_3) and (M, q + e_3), without the difference 1 − |q_3|, which may round to 0."""
+        """m = ((M, q − e_3), (M, q + e_3)), without the difference 1 − |q_3|, which may round to 0."""
         (x, y, z), (a, b, c) = state
         along = x * a + y * b
         below, above = z - N.one, z + N.one

@@ -32,11 +32,10 @@ class SummedFlow(MumfordFlow):
 
     @cached_property
     def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[..., Point]]]:
-        """For each number of bits, the torus and the function that computes states on it; empty at first."""
+        """By the number of bits, the torus and the function that computes states on it."""
         return {}
 
     def _state(self, N: LongField, time: Number) -> Point:
-        """The state at a time in long numbers."""
         import gmpy2
 
         if N.bits not in self._tori:

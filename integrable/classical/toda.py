@@ -12,6 +12,9 @@ is −e_{n−2}. Conversely A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from math import prod
+from operator import mul
 from typing import SupportsIndex
 
 from integrable.mumford.fields import elementary
@@ -49,37 +52,33 @@ class TodaLattice(MumfordSystem):
     _constraint_names = ("e^q ≠ 0",)
 
     def _exponentials(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The exponentials e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
+        """e^{q_k − q_1}, or e^{q_k} over an exact field; both give the same U, V and f."""
         if N.exact:
             return state.q
         return tuple(elementary(N, "exp", x - state.q[0]) for x in state.q)
 
     def _links(self, N: FormulaField, state: Point) -> list[Real]:
-        """The links e^{q_{k+1} − q_k}, k = 1 … n."""
+        """e^{q_{k+1} − q_k}, k = 1 … n."""
         w = self._exponentials(N, state)
         return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
 
-    def _transfer(
-        self, N: FormulaField, state: Point
-    ) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
-        """The transfer matrix ((A, B), (C, D)) = L_n⋯L_1."""
-        one: poly.Poly = (N.one,)
-        rows: tuple[tuple[poly.Poly, ...], tuple[poly.Poly, ...]] = ((one, ()), ((), one))
+    def _transfer(self, N: FormulaField, state: Point) -> list[list[poly.Poly]]:
+        """The transfer matrix [[A, B], [C, D]] = L_n⋯L_1."""
+        rows: list[list[poly.Poly]] = [[(N.one,), ()], [(), (N.one,)]]
         for w, p in zip(self._exponentials(N, state), state.p, strict=True):
-            (a, b), (c, d) = rows
-            factor = (p, N.one)
-            # the rows are multiplied from the left by [[x + p, w], [−1/w, 0]]
-            rows = (
-                tuple(poly.add(N, poly.mul(N, factor, x), poly.scale(N, w, y)) for x, y in ((a, c), (b, d))),
-                tuple(poly.scale(N, -1 / w, x) for x in (a, b)),
-            )
-        (a, b), (c, d) = rows
-        return (a, b), (c, d)
+            above, below = rows
+            # [[x + p, w], [−1/w, 0]] times the rows
+            pairs = zip(above, below, strict=True)
+            rows = [
+                [poly.add(N, poly.mul(N, (p, N.one), x), poly.scale(N, w, y)) for x, y in pairs],
+                [poly.scale(N, -1 / w, x) for x in above],
+            ]
+        return rows
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
         (a, b), (_, d) = self._transfer(N, state)
         trace, size = poly.add(N, a, d), self.size
-        f = poly.sub(N, poly.mul(N, trace, trace), (N.coerce(poly.integer(N, 4)),))
+        f = poly.sub(N, poly.mul(N, trace, trace), (poly.integer(N, 4),))
         u = poly.monic(N, b[:size])
         return all_of(N, (f, u, poly.mod(N, poly.sub(N, a, d), u)), size - 1)
 
@@ -92,22 +91,22 @@ class TodaLattice(MumfordSystem):
         return self.size - 1
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
+        return (*[N.zero] * (genus - 1), poly.integer(N, -1))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
         """The form −x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
         return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        if N.exact:  # an exact state holds exp(q) in place of q
+        if N.exact:  # q are exponentials, with the derivatives qp
             links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
-        else:  # exponentials of differences, since quotients may overflow
+        else:  # exponentials of differences, since the quotients in _links may overflow
             q, rates = state.q, state.p
             links = [elementary(N, "exp", q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The links minus 1, computed without cancellation if all q nearly coincide."""
+        """e^{q_{k+1} − q_k} − 1, which loses no digits if all q nearly coincide."""
         q = state.q
         return tuple(elementary(N, "expm1", q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
@@ -119,21 +118,17 @@ class TodaLattice(MumfordSystem):
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         """The coefficients of Δ, ascending, and H, which is a polynomial in them."""
-        energy = N.dot(state.p, state.p) / 2
-        for link in self._links(N, state):
-            energy = energy + link
+        energy = sum(self._links(N, state), N.dot(state.p, state.p) / 2)
         return {"trace": self._trace(N, state), "H": energy}
 
     def _trace(self, N: FormulaField, state: Point) -> poly.Poly:
-        """The trace Δ = A + D."""
+        """Δ = A + D."""
         (a, _), (_, d) = self._transfer(N, state)
         return poly.add(N, a, d)
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         p, links = self._chain(N, start, (D.u, D.v))
-        q = [N.zero]
-        for link in links:
-            q.append(q[-1] + elementary(N, "log", link))
+        q = [*accumulate((elementary(N, "log", link) for link in links), initial=N.zero)]
         # the sum of the q is Σq(0) + tΣp
         total = sum(start.q, N.zero) + time * sum(start.p, N.zero)
         shift = (total - sum(q, N.zero)) / self.size
@@ -146,7 +141,7 @@ class TodaLattice(MumfordSystem):
         trace = self._trace(N, start)
         beta = trace[size - 1] - (u[size - 2] if size > 1 else N.zero)
         twice = poly.add(N, poly.add(N, trace, poly.trim(N, v) if N.exact else v), poly.mul(N, (beta, N.one), u))
-        half = 1 / N.coerce(poly.integer(N, 2))
+        half = 1 / poly.integer(N, 2)
         above, below = poly.scale(N, half, twice), u
         p, links = [], []
         for k in range(size):
@@ -154,7 +149,6 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                # operators are used, since u and v may be columns of numbers
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 
@@ -181,9 +175,7 @@ class TodaLattice(MumfordSystem):
             f, u, v = self._spectral(N, here)
             pair = plus_point_minus_infinity(N, f, (u, v), (x, y), N.one if sheet == 1 else -N.one)
             p, links = self._chain(N, here, pair)
-            w = [self._first(N, here, links, x, sheet)]
-            for link in links:
-                w.append(w[-1] * link)
+            w = [*accumulate(links, mul, initial=self._first(N, here, links, x, sheet))]
             if N.exact:
                 return Point(tuple(here.q[0] * c for c in w), tuple(p))
             return Point(tuple(here.q[0] + elementary(N, "log", c) for c in w), tuple(p))
@@ -192,9 +184,7 @@ class TodaLattice(MumfordSystem):
 
     def _first(self, N: FormulaField, here: Point, new: list[Real], x: Real, sheet: int) -> Real:
         """X = e^{q̃_1 − q_1}, from the equations for p_1 and p_2, which are linear in X and 1/X."""
-        old, around = self._links(N, here), N.one
-        for link in new:
-            around = around * link
+        old, around = self._links(N, here), prod(new, start=N.one)
         left = [here.p[k % self.size] + x for k in (0, 1)]
         if sheet == 1:
             rows = ((N.one, 1 / around), (new[0] / old[0], old[0]))

@@ -14,21 +14,14 @@ The second line is the equation of order four. Its constants are s_1, s_2, s_3; 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
 
 from integrable.mumford.flow import Point
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, elements
+from integrable.phase.body import Vector
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field, check_field
 from jacobian.relatives.extended import Extended
-
-
-class _Jets(NamedTuple):
-    """F and G, each with its first two derivatives in x."""
-
-    F: tuple[Real, Real, Real]
-    G: tuple[Real, Real, Real]
 
 
 class TwoGaps(MumfordSystem):
@@ -51,13 +44,14 @@ class TwoGaps(MumfordSystem):
     def arguments(self) -> dict[str, object]:
         return {"sums": self.parameters}
 
-    def _jets(self, N: FormulaField, state: Point) -> _Jets:
+    def _jets(self, N: FormulaField, state: Point) -> tuple[Vector, Vector]:
+        """(F, F_x, F_xx) and (G, G_x, G_xx)."""
         s1, s2, s3 = self._parameters_in(N)
         (u, u2), (u1, u3) = state
         F, F1, F2 = (u - s1) / 2, u1 / 2, u2 / 2
         G = (3 * u * u - 2 * s1 * u - u2 - s1 * s1) / 8 + s2 / 2
         G2 = 2 * (u * (F * F + 2 * G) - s3 - 2 * F * G) - F * F2 + F1 * F1 / 2
-        return _Jets((F, F1, F2), (G, (6 * u * u1 - 2 * s1 * u1 - u3) / 8, G2))
+        return (F, F1, F2), (G, (6 * u * u1 - 2 * s1 * u1 - u3) / 8, G2)
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
         s1, _, _ = self._parameters_in(N)
@@ -92,7 +86,7 @@ class TwoGaps(MumfordSystem):
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         s1, _, _ = self._parameters_in(N)
-        return (N.coerce(poly.integer(N, -8)), -4 * s1)
+        return (poly.integer(N, -8), -4 * s1)
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         s1, s2, _ = self._parameters_in(N)

@@ -19,7 +19,7 @@ from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
-from integrable.mumford.body_clocks import SPARE, SeriesClock, Unit, WalkedClock
+from integrable.mumford.body_clocks import SPARE, SeriesClock, WalkedClock
 from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.surfaces import SurfaceSystem
@@ -28,6 +28,7 @@ from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
 from integrable.phase.ways import Cost
 from integrable.portrait.point_ovals import Form, Separation
+from integrable.torus.lattice import RateCurve
 from jacobian import MP, RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
@@ -42,10 +43,8 @@ if TYPE_CHECKING:
 GUARD, DIGITS_APART = 6, 4
 # largest rotation, in radians, for which a clock is set up
 FARTHEST = 1e100
-# number of digits that periods lose per leading digit shared by two branch points
-DIGITS_A_GAP = 3
-# largest number of leading digits that two branch points may share
-MOST_SHARED = 100
+# periods lose DIGITS_A_GAP digits for each leading digit that two branch points share, which are at most MOST_SHARED
+DIGITS_A_GAP, MOST_SHARED = 3, 100
 # approximate length of a panel of the clock on a separatrix, in radians
 STEP = 0.5
 
@@ -56,14 +55,14 @@ class BodyFlow(MumfordFlow):
     At each time τ is computed first, from a Fourier series of t(τ), or from quadratures on a separatrix.
     """
 
+    system: BodySystem
     _cost = Cost(30_000, BY_ADDITIONS.each)
-
     _clock = None
 
-    def __init__(self, system: BodySystem, state: Point, tolerance: float | None = None) -> None:
-        super().__init__(system, state, tolerance)
-        self._body = system
-        self._clocks = dict[int, SeriesClock | WalkedClock]()
+    @cached_property
+    def _clocks(self) -> dict[int, SeriesClock | WalkedClock]:
+        """The last clock, under its number of digits."""
+        return {}
 
     def _places(self, times: list[Real]) -> list[Real]:
         """The values of τ at the given times, with the digits that the state at the farthest time needs."""
@@ -75,8 +74,8 @@ class BodyFlow(MumfordFlow):
                 "within reach"
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
+        # another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
-        # only the last clock is cached, and another thread may replace it
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
@@ -91,22 +90,22 @@ class BodyFlow(MumfordFlow):
     def _made(self, digits: int) -> SeriesClock | WalkedClock:
         K = MP(digits + SPARE)
         try:
-            wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
-            return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
+            wide = MP(digits + SPARE + self.system.close_digits(MP(digits + MOST_SHARED)))
+            return SeriesClock(wide, *self.system._rate_curve(wide, self._inner(wide)), digits)
         except PrecisionLoss:
             # the ovals meet or nearly meet, and no Fourier series resolves t(τ)
             reals = BareReals(K.context.prec)
-            fastest = float(max(self._body._weights(RR))) ** 0.5
+            fastest = float(max(self.system._weights(RR))) ** 0.5
             length = STEP / (self._pace * fastest)
             return WalkedClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
 
     def _made_torus(self) -> ThetaTorus:
-        return ThetaTorus(self._place, self._body._rate_at)
+        return ThetaTorus(self._place, self.system._rate_at)
 
     @cached_property
     def _pace(self) -> float:
         """The approximate angular velocity of the body, in radians per unit time."""
-        return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
+        return float(max(self.system._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 
 class BodySystem(SurfaceSystem):
@@ -138,7 +137,7 @@ class BodySystem(SurfaceSystem):
         return tuple(x - pull * e * y for x, e, y in zip(turned, a, gamma, strict=True))
 
     def _stretch(self, N: FormulaField, gamma: Sequence[Real]) -> Real:
-        """The sum s = Σc_iγ_i²; dt/dτ is its square root."""
+        """s = Σc_iγ_i² = (dt/dτ)²."""
         return N.dot(self._weights(N), [x * x for x in gamma])
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
@@ -176,12 +175,8 @@ class BodySystem(SurfaceSystem):
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
         return N.one, N.zero
 
-    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
-        (p, q), (first, second, third) = self._light(N), self._weights(N)
-        return N.sqrt(first * second * third / (p * p - p * q * u[1] + q * q * u[0]))
-
     def _rate_at(self, N: FormulaField) -> Rate:
-        """The rate of :meth:`_time_rate` as a :class:`Rate`."""
+        """dt/dτ = √s, where s = Πc_i/(q²U(−p/q)) for l(x) = p + qx, q ≠ 0."""
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return Rate(-p / q, -1, N.sqrt(first * second * third) / abs(q))
 
@@ -191,12 +186,11 @@ class BodySystem(SurfaceSystem):
 
     def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
-        a, kinds, data = self._constants_in(N), [], []
-        slopes = poly.derivative(N, poly.from_roots(N, a))
-        for e, c, (sigma, nu) in zip(a, self._weights(N), self._pairs(N, state), strict=True):
-            kinds.append(Lift(e))
-            data.append((c * poly.evaluate(N, slopes, e), sigma, nu))
-        return Start(f, u, v, self._direction(N, 2), kinds, tuple(data))
+        a = self._constants_in(N)
+        slopes, axes = poly.derivative(N, poly.from_roots(N, a)), zip(a, self._weights(N), strict=True)
+        kappas = [c * poly.evaluate(N, slopes, e) for e, c in axes]
+        data = tuple((kappa, *pair) for kappa, pair in zip(kappas, self._pairs(N, state), strict=True))
+        return Start(f, u, v, self._direction(N, 2), [*map(Lift, a)], data)
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
         _, sigma, nu = zip(*D.data, strict=True)
@@ -212,13 +206,16 @@ class BodySystem(SurfaceSystem):
         The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of the
         c_i coincide over N.
         """
-        # 0 is included, because the curve also has a branch point where l(x) = 0
+        # 0 is included: it is the value of l at another branch point, the root of l
         weights = [N.zero, *sorted(self._weights(N))]
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
-    def _unit(self, N: FormulaField, state: Point) -> Unit:
-        """The :class:`Unit` of a state, in X = 1 − l(x)/L with L = 2 max c_i, and in a constant multiple Y of y."""
+    def _rate_curve(self, N: FormulaField, state: Point) -> tuple[RateCurve, tuple[Real, Real]]:
+        """The motion on Y² = (X − ζ)Π(α_i − X)(1 − X), X = 1 − l(x)/L with L = 2 max c_i, for a :class:`SeriesClock`.
+
+        The start of the curve is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where dt/dτ = 1/√Σσ_i².
+        """
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()
         size = 2 * max(weights)
@@ -233,8 +230,8 @@ class BodySystem(SurfaceSystem):
         pace, alphas = -q * height / size, tuple(1 - c / size for c in weights)
         nus = (nu / (2 * momentum) for _, nu in pairs)
         start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
-        direction = pace, pace * (1 - p / size)
-        return Unit(alphas, 1 - (p + q * h1 / h2) / size, start, direction)
+        axes, zeta = (*alphas, *[N.one] * 4, N.zero), 1 - (p + q * h1 / h2) / size
+        return RateCurve(axes, zeta, N.one, start, N.zero), (pace, pace * (1 - p / size))
 
 
 def _rate(N: FormulaField, D: Extended) -> tuple[tuple[Real]]:

@@ -23,21 +23,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # guard digits of the field in which a clock is computed
 SPARE = 20
-# a quadrature has at most MOST_PANELS panels in each direction of time, and NODES_A_DIGIT nodes per digit on each
+# a quadrature has at most MOST_PANELS panels in each direction of time, each with NODES_A_DIGIT nodes per digit
 MOST_PANELS, NODES_A_DIGIT = 64, 2
-
-
-class Unit(NamedTuple):
-    """A body's motion on Y² = (X − ζ)Π(α_i − X)(1 − X), with ``alphas`` α_i and ``zeta`` ζ.
-
-    ``start`` is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where 1/√Σσ² is dt/dτ. ``direction`` is (ΣdX/Y,
-    ΣXdX/Y) per unit of τ.
-    """
-
-    alphas: tuple[Real, ...]
-    zeta: Real
-    start: tuple[Real, ...]
-    direction: tuple[Real, Real]
 
 
 class RateSource(NamedTuple):
@@ -49,23 +36,23 @@ class RateSource(NamedTuple):
     digits: int
 
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
-        """Never called, because points of the motion determine only a sign, and dt/dτ does not depend on it."""
+        """Never called: points of the motion would determine a sign on which dt/dτ does not depend."""
         raise NotImplementedError
 
 
 class SeriesClock:
-    """τ(t) of a motion over the field ``wide``, to ``digits`` digits.
+    """τ(t) of a motion on the curve of ``problem`` over the field ``wide``, to ``digits`` digits.
 
-    PrecisionLoss if the torus is not compact because the ovals meet.
+    ``direction`` is d/dτ of the sums ∫dX/Y and ∫XdX/Y over both points. PrecisionLoss if the torus is not compact
+    because the ovals meet.
     """
 
-    def __init__(self, wide: MultiprecisionField, unit: Unit, digits: int) -> None:
-        one, zero = wide.one, wide.zero
-        axes = (*unit.alphas, one, one, one, one, zero)
-        problem = RateCurve(axes, unit.zeta, one, unit.start, zero)
+    def __init__(
+        self, wide: MultiprecisionField, problem: RateCurve, direction: tuple[Real, Real], digits: int
+    ) -> None:
         source = RateSource(problem, wide, BareReals(wide.context.prec), digits)
-        # Newton's method assumes that phases change little per unit time; so t and τ are in units of 1/|direction[0]|
-        first, second = unit.direction
+        # Newton's method for τ needs phases that change little per unit time, so the unit is 1/|direction[0]|
+        first, second = direction
         self._unit = 1 / abs(first)
         direction = first * self._unit, second * self._unit
         self._clock = LongClock(modes_of_rate(source, digits, direction), digits, wide)
@@ -101,7 +88,7 @@ class WalkedClock:
         step = 1 if t >= 0 else -1
         if abs(t) > MOST_PANELS * self._longest:
             raise self._too_far(t)
-        # ``shown`` is the time t at that end of the panel which is nearer to the start
+        # ``shown`` is t at that end of the panel which is nearer to the start
         panel, shown = min(step, 0), 0 * t
         while abs(t - shown) > self._panel(panel)[1]:
             shown += step * self._panel(panel)[1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
-from math import sqrt
+from math import prod, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -21,15 +21,15 @@ from jacobian.native.library import Library
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 
-# largest number of Laguerre's steps to a root in floats, and the largest value of the polynomial there, relative to the
-# size of its terms
+# Laguerre's method takes at most ROUGH_STEPS steps to a root in floats; there the polynomial is at most ROUGH times the
+# sum of the absolute values of its terms
 ROUGH_STEPS, ROUGH = 60, 1e-13
-# largest number of Newton steps to a root; roots nearer to each other than CLOSE, relative to the largest, count as not
-# separated by floats
+# Newton's method takes at most NEWTON_STEPS steps to a root in long numbers; floats do not separate two roots whose
+# distance is at most CLOSE times the largest root
 NEWTON_STEPS, CLOSE = 20, 1e-9
-# an oval that is a point is opened to this length, relative to the largest branch point
+# an oval that is a point becomes an interval of OPENED times the largest branch point
 OPENED = 2.0**-130
-# σ at a branch point e is computed from U only if |U(e)|/(1 + e²) is larger than this
+# |U(e)| at most SMALL·(1 + e²) counts as 0 at a branch point e
 SMALL = 1e-20
 APART = "the points of the pair are not one in each oval"
 
@@ -43,7 +43,7 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
     slope, degree, out = poly.derivative(N, rest), len(rest) - 1, np.empty(2 * len(rest) - 2)
     if LIBRARY.real_roots(np.array([*map(float, rest)]), out):
         found = [*known, *(polished(N, rest, slope, N.coerce(x)) for x in out[:degree].tolist())]
-        # the sum of the roots shows that each was found exactly once
+        # if a root was found twice, the sum of the roots is wrong
         if not abs(sum(found) + f[-2] / f[-1]) > N.root_of_eps * max(map(abs, found)):
             check_apart(known, found[len(known) :])
             return sorted(found)
@@ -136,7 +136,7 @@ def opened(N: LongField, model: PairModel, known: Collection[Complex]) -> PairMo
 
 
 def polished(Z: LongField, f: poly.Poly, slope: poly.Poly, x: Complex) -> Complex:
-    """The root of f near x, by Newton's method; ``slope`` is f'."""
+    """The root of f near x by Newton's method; ``slope`` is f'."""
     for _ in range(NEWTON_STEPS):
         move = poly.evaluate(Z, f, x) / poly.evaluate(Z, slope, x)
         x -= move
@@ -146,7 +146,6 @@ def polished(Z: LongField, f: poly.Poly, slope: poly.Poly, x: Complex) -> Comple
 
 
 def all_real(points: Sequence[Complex]) -> bool:
-    """Whether all branch points are real."""
     return not any(x.imag for x in points)
 
 
@@ -164,9 +163,9 @@ class PairModel(NamedTuple):
 
 
 def lift_of(Z: LongField, model: PairModel, e: Real) -> tuple[Real, Real, Real]:
-    """(κ, σ, ν) at a real branch point e for which the start has no lift.
+    """(κ, σ, ν), κ = ±1, at a real branch point e where the motion has no lift, so that the sign of σ is arbitrary.
 
-    κσ² = U, κσν = V and κν² = −W at e, where W = (f − V²)/U and κ = ±1.
+    κσ² = U, κσν = V and κν² = −W at e, where W = (f − V²)/U.
     """
     whole = (*model.u, model.u[0] ** 0)
     height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, model.v, e).real
@@ -184,10 +183,8 @@ def lift_of(Z: LongField, model: PairModel, e: Real) -> tuple[Real, Real, Real]:
 def without_root(even: PairModel) -> PairModel:
     """The motion in X = 1/(E − x), y = y_X/X³, where E is the largest root of a model of even degree."""
     (u0, u1), (v0, v1), (*roots, pole) = even.u, even.v, even.roots
-    lead = -even.lead
-    for e in roots:
-        lead *= pole - e
-    # U = (x − E)² + a(x − E) + b, and X³y = (mX − v₁)X² with m = V(E), X² = sX − p on the pair
+    lead = prod((pole - e for e in roots), start=-even.lead)
+    # with U = (x − E)² + a(x − E) + b and m = V(E) the points of the pair have X² = sX − p and X³y = (mX − v₁)X²
     a, b, m = u1 + 2 * pole, (pole + u1) * pole + u0, v1 * pole + v0
     s, p = a / b, 1 / b
     v = (-m * s * p + v1 * p, m * (s * s - p) - v1 * s)

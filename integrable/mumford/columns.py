@@ -1,4 +1,4 @@
-"""Columns of double-doubles with Python's operators: they evaluate a formula for many states of a motion at once."""
+"""Columns of double-doubles with Python's operators, over which one call of a formula serves many states."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EXP_BITS = 140
 class Column:
     """A double-double number hi + lo; both parts are floats, or arrays of one shape (Dekker 1971)."""
 
-    # with None, an array as left operand leaves the operation to this class
+    # makes numpy leave the operation array ∘ column to this class
     __array_ufunc__ = None
     __slots__ = ("hi", "lo")
 
@@ -71,7 +71,7 @@ class Column:
 
 
 def _sum(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """x + y and its rounding error (Knuth 1969)."""
+    """The rounded sum and its rounding error (Knuth 1969)."""
     total = x + y
     part = total - x
     return total, (x - (total - part)) + (y - part)
@@ -83,7 +83,7 @@ def _settled(high: Floats, low: Floats) -> Column:
 
 
 class _Elementary:
-    """exp of single numbers to full precision; exp and log of columns, accurate to the digits of floats."""
+    """exp and log of columns with the digits of floats, and exp of a single double-double with all its digits."""
 
     @staticmethod
     def exp(x: Column) -> Column:
@@ -107,7 +107,6 @@ class Columns(InexactField):
     zero, one = Column(0.0), Column(1.0)
 
     def coerce(self, value: Any, argument: str = "value") -> Column:
-        """A number as a column that broadcasts to all rows."""
         return Column.of(value)
 
     def sqrt(self, x: Column) -> Column:

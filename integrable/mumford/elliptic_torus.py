@@ -10,7 +10,7 @@ largest root.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import atan2, pi
+from math import atan2, pi, prod
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,7 @@ Row = np.ndarray
 
 # precision in bits of the set-up of a torus
 BITS = 200
-# series end at a term below LAST; if this takes more than MOST_TERMS terms, double-doubles cannot distinguish the
+# theta series end at a term below LAST; if these are MOST_TERMS terms or more, double-doubles cannot distinguish the
 # motion from one on a separatrix
 LAST, MOST_TERMS = 2.0**-113, 26
 # |sn| or |cn| below which a point counts as being at its branch point
@@ -55,13 +55,12 @@ class OvalThetas(NamedTuple):
 
 
 def oval_points(oval: OvalThetas, times: Row, place: tuple[int, int], out: Row) -> None:
-    """Writes all R₁, then all R₂, then all R₃ at N = ``len(out)``/3 times. The compiler takes this source unchanged.
-
-    The times are ``times[begin + step·n]``, (begin, step) = ``place``.
+    """Writes all R₁, then all R₂, then all R₃ at the N = ``len(out)``/3 times ``times[begin + step·n]``, where (begin,
+    step) = ``place``. This source is compiled unchanged.
     """
     numbers, count, (begin, step) = oval.numbers, len(out) // 3, place
     for n in abreast(0, count):
-        # sn and cn have twice the period of Z, so their angle is half the phase of Z
+        # the argument of the theta functions is half the phase of Z, since sn and cn have twice the period of Z
         c, s = circle((numbers[0] * times[begin + step * n] + numbers[1]) / 2, oval.inverse)
         one, two, three = theta_quotients(oval.table, c, s)
         out[n], out[count + n], out[2 * count + n] = numbers[2] * one, numbers[3] * two, numbers[4] * three
@@ -127,7 +126,7 @@ class EllipticOval:
         return OvalThetas(numbers, double_double_row(self.thetas.few), inverse_factorials())
 
     def time_below(self, depth: Real) -> Real:
-        """The imaginary time in which the point moves from Z = e₁ down to Z = e₁ − ``depth``."""
+        """The length of the imaginary time in which Z moves from e₁ to e₁ − ``depth``."""
         N = self.field
         return first_kind(N, self.thetas.others, N.sqrt(depth), N.sqrt(self.swing)) / N.sqrt(self.breadth)
 
@@ -190,23 +189,18 @@ class EllipticTorus(FarTimes):
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data at N times, as columns of N numbers."""
-        parts = self._points(times)
-        one, two, three = parts
-        x, y = self._side * (self._first + one * one), self._slope * one * two * three
-        if self._pole is not None:
-            x, y = self._pole - 1 / x, y / (x * x)
-        data = []
-        for kappa, size, slope, which in self._lifts:
-            data.append((kappa, size * parts[which], slope * parts[which - 1] * parts[which - 2]))
-        return Extended((-x, Column(1.0)), (y,), tuple(data))
-
-    def _points(self, times: np.ndarray) -> tuple[Column, Column, Column]:
-        """R₁, R₂ and R₃ at the given times."""
         given, out = np.zeros((len(times), 2)), np.empty((3 * len(times), 2))
         given[:, 0] = times
         LIBRARY.oval_points(self._oval, given, (0, 1), out)
-        one, two, three = (Column(*np.ascontiguousarray(x.T)) for x in out.reshape(3, -1, 2))
-        return one, two, three
+        one, two, three = parts = [Column(*np.ascontiguousarray(x.T)) for x in out.reshape(3, -1, 2)]
+        x, y = self._side * (self._first + one * one), self._slope * one * two * three
+        if self._pole is not None:
+            x, y = self._pole - 1 / x, y / (x * x)
+        data = tuple(
+            (kappa, size * parts[which], slope * parts[which - 1] * parts[which - 2])
+            for kappa, size, slope, which in self._lifts
+        )
+        return Extended((-x, Column(1.0)), (y,), data)
 
 
 def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
@@ -214,9 +208,7 @@ def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
     lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
     if len(roots) == 4:
         *roots, pole = roots
-        lead, x = -lead, 1 / (pole - x)
-        for e in roots:
-            lead = lead * (pole - e)
+        lead, x = prod((pole - e for e in roots), start=-lead), 1 / (pole - x)
         roots, y = [1 / (pole - e) for e in roots], y * x * x
     side = 1
     if lead < 0:
@@ -264,7 +256,7 @@ def part_of_round(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cos
     import gmpy2
 
     size = N.sqrt(sine * sine + cosine * cosine)
-    # (s, c) is a point on the circle; ``rough`` is its angle in floats, from which full turns are counted
+    # ``rough`` is the angle in floats, which counts the full turns that (s, c) does not show
     s, c = sine / size, cosine / size
     rough = atan2(s, c)
     for a, b in levels[:-1]:
@@ -281,13 +273,6 @@ def part_of_round(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cos
 def first_kind(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cosine: Real) -> Real:
     """F(φ), the elliptic integral of the first kind; arguments as for :func:`part_of_round`."""
     return part_of_round(N, levels, sine, cosine) / levels[-1][0]
-
-
-def nome_of(N: LongField, levels: list[tuple[Real, Real]], others: list[tuple[Real, Real]]) -> Real:
-    """The nome e^(−πK'/K), from the means of 1 and k', and those of 1 and k."""
-    import gmpy2
-
-    return gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0])
 
 
 def terms_of(nome: Real, last: Real) -> int:
@@ -328,8 +313,11 @@ class ThetaTable(NamedTuple):
 
 def theta_table(N: LongField, k: Real, k1: Real) -> ThetaTable:
     """The ThetaTable of the modulus k, k² + k₁² = 1."""
+    import gmpy2
+
     levels, others = means(N, k1), means(N, k) if k else []
-    nome = nome_of(N, levels, others) if k else N.zero
+    # e^(−πK'/K), where K and K' are proportional to 1/mean(1, k₁) and 1/mean(1, k)
+    nome = gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0]) if k else N.zero
     count = terms_of(nome, N.eps)
     odd, even = [nome ** (n * n + n) for n in range(count)], [2 * nome ** (n * n) for n in range(count)]
     even[0] = N.one

@@ -1,8 +1,8 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.moving_point.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
-any time takes a few additions, so a far time needs little more than additional bits. If t is not linear in τ but
-computed with the pair, as for geodesics, the interval Newton method finds τ at a time.
+any time takes a few additions, so a far time needs little more than additional bits. If t is not linear in τ but a
+datum of the pair, as for geodesics, the interval Newton method finds τ at a time.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from integrable.mumford.translations import GroupTranslations, reference
 from integrable.phase.enclosure import Enclosure, Precisions, enclosed, exact_times, widest
 from jacobian import poly
 from jacobian.element import Real
-from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
     from flint import acb, arb
@@ -30,12 +29,13 @@ if TYPE_CHECKING:
 OF_GENUS, OF_DOUBLING = 160, 20
 # guard digits of the first guess of τ
 GUARD = 6
-# largest imaginary part that rounding may leave of a real root, relative to the largest root of f
+# a root of f, computed in floats, counts as real if its imaginary part is below REAL times the largest root
 REAL = 1e-9
 
 
 class EnclosedTranslations(GroupTranslations):
-    """The translations T(τ) of a motion, computed in balls."""
+    # a midpoint nearer to the curve would not narrow a ball
+    _drifts = False
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
         # points in the middle of ovals come first, because balls widen more for points far from all branch points
@@ -44,13 +44,6 @@ class EnclosedTranslations(GroupTranslations):
         ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]
         more, roots = reference(group)
         return [*xs, *more][: group.genus + 1], [*ys, *roots][: group.genus + 1]
-
-    def _on_curve(self, D: Extended) -> Extended:
-        # divisors stay as they are: a better midpoint would not narrow a ball
-        return D
-
-    def _with_true_lifts(self, D: Extended) -> Extended:
-        return D
 
 
 def middles_of_ovals(f: poly.Poly) -> list[float]:
@@ -71,7 +64,7 @@ class EnclosedPlace(Placed):
 
 
 def lost_bits(genus: int, *times: Real) -> int:
-    """A guess of the number of bits that balls lose until the farthest of some times."""
+    """A guess of the number of bits that balls lose until the farthest of the times."""
     return genus * (OF_GENUS + OF_DOUBLING * max(0, *(frexp(float(t))[1] for t in times)))
 
 
@@ -82,14 +75,14 @@ def enclosed_path(flow: Any, times: Sequence[Real], digits: int, in_tau: bool) -
     """
     system = flow.system
     clocked = system.clocked and not in_tau
-    guesses = [flow.tau_near(time, digits + GUARD) for time in times] if clocked else None
+    guesses = [flow._motion.tau_at(time, digits + GUARD, flow._clock) for time in times] if clocked else None
     motions = Precisions(partial(PlaceOfFlow, flow), digits)
     rows = enclosed(motions, times, guesses, partial(lost_bits, flow._genus))
     return Enclosure(None if in_tau and system.clocked else exact_times(times), rows, system.size)
 
 
 class PlaceOfFlow(EnclosedPlace):
-    """The motion of a ``MumfordFlow`` in balls."""
+    """The motion of a ``MumfordFlow`` in balls, for :func:`integrable.phase.enclosure.enclosed`."""
 
     def __init__(self, flow: Any, bits: int) -> None:
         self._flow, self._system = flow, flow.system

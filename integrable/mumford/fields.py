@@ -21,7 +21,7 @@ from jacobian.poly import Poly
 
 
 def padded(K: Arithmetic, a: Sequence[Real], size: int) -> Poly:
-    """The first ``size`` coefficients of a, padded with zeros."""
+    """The first ``size`` coefficients of a polynomial, zeros included."""
     return (*a[:size], *[K.zero] * (size - len(a)))
 
 
@@ -41,20 +41,12 @@ def multiplier(K: Arithmetic, u: Poly, direction: Sequence[Real]) -> Poly:
 
 
 def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Real]) -> tuple[Poly, Poly]:
-    """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U."""
-    return rates_and_quotients(K, f, u, v, multiplier(K, u, direction))[0]
-
-
-def rates_and_quotients(
-    K: Arithmetic, f: Poly, u: Poly, v: Poly, n: Poly
-) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
-    """((U', V'), (m, w)) along the direction with the multiplier n: U' = nV − mU, V' = −½(nW − wU)."""
-    size = len(u) - 1
-    m, of_u = poly.divide(K, poly.mul(K, n, v), u)
-    w, twice = poly.divide(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
+    """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U, with the n of :func:`multiplier`."""
+    size, n = len(u) - 1, multiplier(K, u, direction)
+    of_u = poly.mod(K, poly.mul(K, n, v), u)
+    twice = poly.mod(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
     half = K.neg(K.inv(poly.integer(K, 2)))
-    of_v = tuple([K.mul(half, c) for c in twice])
-    return ((*padded(K, of_u, size), K.zero), padded(K, of_v, size)), (m, w)
+    return (*padded(K, of_u, size), K.zero), padded(K, poly.scale(K, half, twice), size)
 
 
 def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
@@ -65,14 +57,13 @@ def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple
     factor = (K.neg(a), K.one)
 
     def alternating(x: Real, b: Poly, y: Real, d: Poly) -> Poly:
-        top = [
-            K.sub(K.mul(x, p), K.mul(y, q)) for p, q in zip(padded(K, b, size + 1), padded(K, d, size + 1), strict=True)
-        ]
-        return padded(K, poly.divide(K, tuple(top), factor)[0], size)
+        pairs = zip(padded(K, b, size + 1), padded(K, d, size + 1), strict=True)
+        top = tuple(K.sub(K.mul(x, p), K.mul(y, q)) for p, q in pairs)
+        return padded(K, poly.quotient(K, top, factor), size)
 
     half = K.inv(poly.integer(K, 2))
     of_v = alternating(values[2], u, values[0], rest)
-    return (*alternating(values[0], v, values[1], u), K.zero), tuple([K.mul(half, c) for c in of_v])
+    return (*alternating(values[0], v, values[1], u), K.zero), poly.scale(K, half, of_v)
 
 
 def lax_matrix(K: Arithmetic, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:

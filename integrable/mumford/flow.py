@@ -16,7 +16,7 @@ from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
-from jacobian.element import Element, FormulaField, Number, Numbers, Real
+from jacobian.element import Element, FormulaField, Numbers, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import at_once, quick_property, replaced
 from jacobian.inexact.long_field import LongField
@@ -89,7 +89,6 @@ class MumfordFlow(StateFlow[Path]):
     """The motion of one state, returned by ``system.flow(state)``; ``at(times)`` evaluates it."""
 
     _cost = BY_ADDITIONS
-    """The cost of additions."""
 
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
         self.digits = long_digits(system.field)
@@ -130,16 +129,16 @@ class MumfordFlow(StateFlow[Path]):
 
     @cached_property
     def _recorded(self) -> tuple[Vectors, Start, np.ndarray] | None:
-        """(q, p) and the start in the long numbers of a torus, and the numbers that all states of the motion share
-        (:meth:`integrable.mumford.recorded.PairFormulas.fixed`). None over a field other than RR, if no code is
-        compiled, if data are complex, or if the formulas of the system cannot be recorded.
+        """(q, p) and the start in the long numbers of a torus, and those numbers of the recorded formulas that all
+        states of the motion share. None over a field other than RR, if no code is compiled, if data are complex, or if
+        the formulas of the system cannot be recorded.
         """
         formulas = self.system._formulas if self._in_floats and not self.system.complex_data else None
         if formulas is None:
             return None
         with LongField(BITS_OF_TORUS) as N:
             (q, p), start = formulas.start(N, self._numbers)
-            return (q, p), start, formulas.fixed(N, (*q, *p, *self._numbers[2 * len(q) :]))
+            return (q, p), start, formulas.back.fixed(N, (*q, *p, *self._numbers[2 * len(q) :]))
 
     def at(self, times: Numbers) -> Path:
         """The states at the given times: one number or a sequence of numbers, in any order, of any sign and size.
@@ -154,7 +153,7 @@ class MumfordFlow(StateFlow[Path]):
         return self._after(self._near(given), given)
 
     def _after(self, near: Near | None, given: np.ndarray) -> Path:
-        """The states at the given times; ``near`` contains those of them that Taylor series reach, if there are any."""
+        """The states at the given times, of which Taylor series have reached those in ``near``."""
         if near is not None and near.places is None:
             way, states, error = SERIES, near.states, near.error
         else:
@@ -163,7 +162,7 @@ class MumfordFlow(StateFlow[Path]):
         return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The microseconds that the next method in floats takes for ``count`` times, its set-up included."""
+        """The microseconds that the method after Taylor series takes for ``count`` times, its set-up included."""
         if self._of_a_torus:
             return (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
@@ -177,7 +176,9 @@ class MumfordFlow(StateFlow[Path]):
         return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
-        """The states in ``near``, and those that finer steps reach at a lower cost than the next method."""
+        """The states in ``near``, and those that Taylor series with more digits reach at a lower cost than the next
+        method.
+        """
         if near is None:
             return None
         kind, count = self.system._kind, len(times)
@@ -189,7 +190,6 @@ class MumfordFlow(StateFlow[Path]):
 
     @property
     def _walk_given(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """The constants and parameters of the system, and the start."""
         return self.system._walk_constants, (*self.start.q, *self.start.p)
 
     def _on_torus(self, times: np.ndarray) -> StatesReached | None:
@@ -197,7 +197,6 @@ class MumfordFlow(StateFlow[Path]):
         return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
 
     def _by_additions(self, times: np.ndarray) -> StatesReached:
-        """The states by additions in long numbers."""
         import numpy as np
 
         K, places = self.system.field, self._places(times.tolist())
@@ -210,11 +209,13 @@ class MumfordFlow(StateFlow[Path]):
 
     def _row(self, time: Real) -> Vectors:
         """The state at a time, in long numbers."""
-        return self._motion.row(time, self._reader(time), self.digits, self._clock)
+        return self._motion.row(
+            time, lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time)), self.digits, self._clock
+        )
 
     @property
     def _in_floats(self) -> bool:
-        """Whether compiled loops may be used for the motion."""
+        """Whether states may be computed by compiled loops."""
         return bool(self.system.field == RR and not interpreted())
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
@@ -233,7 +234,7 @@ class MumfordFlow(StateFlow[Path]):
         return TorusPortrait(self)
 
     def _settled_on_torus(self, read: Callable[[SeparatedTorus], Vectors]) -> list[list[Real]]:
-        """The result of ``read`` for the torus in separated coordinates, to the digits of the field."""
+        """The result of ``read`` for the torus of the motion, to the digits of the field."""
         found = settled_digits(lambda N: read(self._separated(N)), self.digits)
         return [[element(self.system.field, x) for x in row] for row in found]
 
@@ -283,7 +284,6 @@ class MumfordFlow(StateFlow[Path]):
 
     @property
     def _fastest(self) -> float:
-        # the fastest rate of the linearized motion at the start
         floats = self._through(self._numbers, RR)
         return largest_rate([floats.system.linearized(floats.start)])
 
@@ -293,9 +293,7 @@ class MumfordFlow(StateFlow[Path]):
         return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))
 
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
-        """The torus in separated coordinates. NotRepresentable over a field other than RR; its message begins with
-        ``name``.
-        """
+        """:meth:`_separated` of a flow over RR; NotRepresentable over another field, with ``name`` in the message."""
         K = self.system.field
         if K != RR:
             raise NotRepresentable(f"{name}: it is computed in floats, this flow is over {K.name}")
@@ -306,7 +304,9 @@ class MumfordFlow(StateFlow[Path]):
         return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function of :meth:`_states_on` for arrays of floats."""
+        """The function ``states(halves, turned)`` that returns q and p at many points of the torus, in floats:
+        ``halves`` are as in :meth:`_states_on`, ``turned`` are the angles about an axis.
+        """
         import numpy as np
 
         from integrable.mumford.columns import Column, Columns
@@ -316,6 +316,7 @@ class MumfordFlow(StateFlow[Path]):
         def states(halves: list[tuple[np.ndarray, np.ndarray]], turned: Arrays) -> tuple[Arrays, Arrays]:
             given = [(Column(np.cos(x)), Column(np.sin(x))) for x in turned]
             found = read(K, [(Column(s), Column(c)) for s, c in halves], given)
+            # a coordinate that does not depend on the angles is a single number, and is made an array
             zero = 0 * halves[0][0]
             q, p = ([x.hi + zero for x in part] for part in found)
             return q, p
@@ -323,10 +324,10 @@ class MumfordFlow(StateFlow[Path]):
         return states
 
     def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Point]:
-        """The function ``read(K, halves, turned)`` that returns the state at given angles, over K.
+        """The function ``read(K, halves, turned)`` that returns a state on the torus, over K.
 
-        ``halves`` are (sin ½φ, cos ½φ) of each point; ``turned`` are (cos, sin) of each angle about an axis since the
-        start.
+        Each point of the pair is at x = middle − radius·cos φ in its oval, and ``halves`` are its (sin ½φ, cos ½φ).
+        ``turned`` are (cos, sin) of each angle about an axis, counted from the start.
         """
         pairs = self._pairs_on(N, torus)
 
@@ -337,9 +338,9 @@ class MumfordFlow(StateFlow[Path]):
         return read
 
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
-        """The function ``pairs(K, halves, turned)`` that returns the pair at given angles, as in :meth:`_states_on`.
+        """The function ``pairs(K, halves, turned)`` that returns the pair of the state in :meth:`_states_on`.
 
-        The data of the pair are the lifts with the signs of the start, 0 for a clock, and ``turned``.
+        Its data are the lifts, with the signs that they have at the start, 0 for a clock, and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
@@ -367,13 +368,8 @@ class MumfordFlow(StateFlow[Path]):
 
         return pairs
 
-    def tau_near(self, time: Number, digits: int) -> Real:
-        """τ at a time, as a long number, for a motion with t among the data of its pairs."""
-        tau: Real = self._motion.tau_at(time, digits, self._clock)
-        return tau
-
     def _places(self, times: list[Real]) -> list[Real]:
-        """The parameter of the motion at these times: the times themselves, or τ."""
+        """The values at the given times of the parameter by which :meth:`_row` finds a state: t, or τ of a body."""
         return times
 
     @property
@@ -383,12 +379,12 @@ class MumfordFlow(StateFlow[Path]):
         return not system.complex_data and (not system.clocked or self._genus >= 2)
 
     def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
-        """The torus if ``count`` times justify its set-up, else None."""
+        """The torus if there is one and ``count`` times justify its set-up, else None."""
         return self._torus if count >= TIMES_TO_TORUS or (count and self._genus <= 2) else None
 
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
-        """The torus of a motion, which returns states in floats; None if there is none or it is not confirmed."""
+        """The torus, which gives states in floats; None if there is none or its states are wrong."""
         if not (self._of_a_torus and self._in_floats):
             return None
         try:
@@ -452,9 +448,6 @@ class MumfordFlow(StateFlow[Path]):
         N = Columns()
         columns = self.system._back(N, self._inner(N), D, Column(times))
         return np.stack([np.stack([x.hi for x in part], axis=1) for part in columns], axis=1)
-
-    def _reader(self, time: Real) -> Callable[[FormulaField, Extended], Point]:
-        return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
 
 
 def element(K: Any, x: Real) -> Any:

@@ -63,9 +63,7 @@ def _residual(K: Arithmetic, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
     """(Ũ, −R mod Ũ), where Ũ has the zeros of f − R² other than those of U and ``known``."""
     g = len(u) - 1
     difference = poly.sub(K, f, poly.mul(K, r, r))[: 2 * g + len(known)]
-    rest = poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1]
-    inverse = K.inv(rest[-1])
-    new = (*[K.mul(inverse, a) for a in rest[:-1]], K.one)
+    new = poly.monic(K, poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1])
     return new, padded(K, poly.mod(K, poly.neg(K, r), new), g)
 
 
@@ -81,8 +79,8 @@ def generating_function(K: Arithmetic, f_fixed: Poly, x: Real, u: Poly, new: Pol
     g, lead = len(u) - 1, f_fixed[-1]
     product = poly.mul(K, poly.mul(K, u, new), (K.neg(K.mul(lead, x)), lead))
     q = poly.sub(K, f_fixed, product)[: 2 * g + 1]
-    # with t = 1/x, Q = x^{2g}·q(t) and f_fixed = x^{2g+1}·b(t). As x^{2g(m+1/2)−(2g+1)m} = x^{g−m}, [x⁻¹] is the
-    # coefficient of t^{g−m+1}
+    # let t = 1/x, Q = x^{2g}·q(t) and f_fixed = x^{2g+1}·b(t). Then Q^{m+1/2}/f_fixed^m = x^{g−m}·q^{m+1/2}/b^m, whose
+    # coefficient of x⁻¹ is that of t^{g−m+1} in q^{m+1/2}/b^m
     size = g + 1
     q_series = padded(K, q[::-1], size)
     inverse = _inverse(K, padded(K, f_fixed[::-1], size))

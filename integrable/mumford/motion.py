@@ -1,8 +1,8 @@
 """States of a motion on a Jacobian of any genus at any time, to the requested digits.
 
-Every row is computed in long numbers at two precisions 64 bits apart. A row is returned if both results agree in every
-requested digit; otherwise the precision is raised. So the loss in additions, about a bit per doubling and some tens of
-bits per unit of genus, is measured rather than assumed.
+Every row (the vectors that describe the motion at one time) is computed in long numbers at two precisions 64 bits
+apart. It is returned if both results agree in every requested digit; otherwise the precision is raised. So the loss in
+additions, about a bit per doubling and some tens of bits per unit of genus, is measured rather than assumed.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # precision in bits of the set-up of tori for states in floats, at which recorded formulas compute the starts
 BITS_OF_TORUS = 160
-# a pair counts as being at rest if its relative rates are at most STILL units of the last bit
+# a pair is at rest if its rates, relative to their terms, are at most STILL·eps
 STILL = 2.0**16
-# a clock is inverted in at most MOST_STEPS steps. They end with a step below unit·√eps/SMALL, where unit is that of
-# translations, because the next step would be negligible
+# the inversion of a clock takes at most MOST_STEPS steps. It ends after a step below h·√eps/SMALL, with the h of
+# :mod:`integrable.mumford.translations`: as convergence is quadratic, the next step would be below h·eps
 MOST_STEPS, SMALL = 200, 256
 
 
@@ -67,23 +67,18 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # the last (times, pair) along the further directions, kept because many τ often share them
+        # the last times along the further directions and the pair at them, which many τ often share
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
-    @property
-    def direction(self) -> Sequence[Real]:
-        """The direction of τ."""
-        return self._directions[0]
-
     def translations(self, which: int = 0) -> GroupTranslations:
-        """The translations along one direction, set up at the first request for a nonzero time."""
+        """The translations along one direction."""
         if which not in self._translations:
             self._translations[which] = self._kind(self.group, self._directions[which], self._ends)
         return self._translations[which]
 
     @cached_property
     def _ends(self) -> list[Real]:
-        """Branch points of lifts at which the pair has a point. A point at a double point of the curve stays there."""
+        """The branch points with lifts at which the pair has a point: if e is a double root of f, the point stays."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
@@ -105,9 +100,11 @@ class Placed:
         return self._resting(tau + step) if self.rests else self.translations().carried(D, step)
 
     def _resting(self, tau: Real) -> Extended:
-        """D(τ) of a pair at rest: only lifts at points that are no branch points change, by σ'/σ = ½n(x)y/U(x)."""
+        """D(τ) of a pair at rest. Only a lift at a point (x, y), y ≠ 0, changes: σ'/σ = ½n(x)y/U(x), with the n of
+        :func:`integrable.mumford.fields.multiplier`.
+        """
         K, (u, _, data) = self.field, self.start
-        n, turned = multiplier(K, u, self.direction), []
+        n, turned = multiplier(K, u, self._directions[0]), []
         for kind, datum in zip(self.group.kinds, data, strict=True):
             if isinstance(kind, PointLift):
                 kappa, sigma, bar = datum
@@ -119,20 +116,20 @@ class Placed:
 
     @cached_property
     def rests(self) -> bool:
-        """Whether the pair is at rest: each point is at a double point of the curve, where no addition is regular.
+        """Whether the pair is at rest: each point is at a double point of the curve, and T(τ) cannot be added.
 
         PrecisionLoss if the pair is so close to rest that more bits are needed to decide this, or to compute its
         motion.
         """
         K, moved = self.field, self._moved
-        # balls have eps = 0, and their comparison with 0 is a proof
+        # K is a field of balls; their comparison with 0 is a proof
         if K.eps == 0:
             return moved <= 0
         still = moved <= STILL * K.eps
         if still:
             with LongField(MOST_BITS, K.complex) as L:
                 still = Placed(L, self._place)._moved <= STILL * L.eps
-        # near a double point sums of divisors lose quantities below √eps, at every precision
+        # a sum of divisors with a point at a distance below √eps from a double point of the curve loses that distance
         if not still and moved * moved <= STILL * K.eps:
             raise PrecisionLoss("the state is too near to one at rest: use more digits")
         return still
@@ -140,9 +137,8 @@ class Placed:
     @cached_property
     def _moved(self) -> Real:
         """The size of the rates of the pair, relative to the size of their terms."""
-        K, (u, v, _) = self.field, self.start
+        K, (u, v, _), direction = self.field, self.start, self._directions[0]
         w = cofactor(K, self.group.f, u, v)
-        direction = self.direction
         size = max(abs(c) for c in (*u, *v, *w)) * max(abs(c) for c in direction)
         moved = rates(K, self.group.f, u, v, direction)
         return max(abs(c) for a in moved for c in a) / size
@@ -156,9 +152,9 @@ class MumfordMotion:
         self._complex = complex
         self._genus = genus
         self._placed: dict[int, Placed] = {}
-        # (t, τ) of the last row
+        # t and τ of the last row
         self._reached: tuple[Any, Any] = (None, None)
-        # number of additional bits that has sufficed so far
+        # the bits beyond those requested that have sufficed so far
         self._extra = OF_START + OF_GENUS * genus
 
     def row(
@@ -195,7 +191,7 @@ class MumfordMotion:
         )
 
     def tau_at(self, time: Any, digits: int, clock: TimeAt | None) -> Any:
-        """The τ at which the clock shows ``time``, found as in :meth:`row`."""
+        """The τ of a time t, found as in :meth:`row`."""
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
     def _read(self, bits: int, times: tuple[Real, ...], read: Read, clock: TimeAt | None) -> Vectors:
@@ -209,7 +205,7 @@ class MumfordMotion:
             if clock is None:
                 return read(K, placed.at(target, tuple(further)))
             time, tau = self._reached
-            # the guess is the last τ, scaled to this time by its mean rate
+            # the guess for τ is the last τ times t/(the last t)
             near = K.coerce(tau) * (target / K.coerce(time)) if time else None
             tau, D = _at_clock(placed, target, clock, near)
             self._reached = times[0], tau
@@ -233,7 +229,6 @@ def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors
 
 
 def _bits(digits: int) -> int:
-    """The number of bits that hold this many decimal digits."""
     return math.ceil(digits * math.log2(10)) + 2
 
 
@@ -246,7 +241,7 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
     """Whether each vector of ``rough`` agrees with that of ``fine`` in its first ``wanted`` bits."""
     for a, b in zip(rough, fine, strict=True):
         scale = max([abs(x) for x in b], default=0)
-        # infinities are rejected: they would agree with anything
+        # an infinite scale would make any two vectors agree
         if not scale < math.inf or not all(abs(x - y) * 2**wanted <= scale for x, y in zip(a, b, strict=True)):
             return False
     return True
@@ -261,7 +256,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
     K, unit, D = placed.field, placed.translations().unit, placed.start
     start, rate = clock(K, D)
     tau, now, low, high, flat = K.zero, start, None, None, K.one / 4
-    # the distances |target − t| of earlier points, which show whether convergence is slow
+    # |target − t| of the steps so far: convergence is slow if two steps do not reduce it to a quarter
     rests = [math.inf, math.inf]
     for n in range(MOST_STEPS):
         rest = target - now
@@ -275,16 +270,16 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # slow convergence leads to bisection, because the cubic may alternate between the sides forever
+            # bisection if convergence is slow: with the cubic alone the steps may alternate between both sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # a lower bound on the rate limits steps where the clock t(τ) is flat; the bound is lowered if the target
-            # may lie there
+            # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` of the mean
+            # rate; ``flat`` decreases if steps are then too short
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:
             step = (low[0] + high[0]) / 2 - tau
-        # only the first step is long; a later step starts from D and loses few bits
+        # the first step, which is long, starts at τ = 0; a later one starts from D and loses few bits
         D = placed.after(D, tau, step) if n else placed.at(step)
         tau += step
         if abs(step) < unit * K.eps**0.5 / SMALL:
@@ -295,7 +290,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
 
 
 def _between(low: tuple[Real, ...], high: tuple[Real, ...], target: Real) -> Real:
-    """τ at the time ``target`` between two points (τ, t, dt/dτ), by Hermite's cubic."""
+    """τ at the time ``target``, by Hermite's cubic for τ(t) through two points (τ, t, dt/dτ)."""
     (first, begin, rate), (last, end, other) = low, high
     length = end - begin
     s = (target - begin) / length

@@ -1,7 +1,8 @@
 """States at far times of motions of genus 3 and more in floats: the phases determine the point in each oval.
 
-Newton's method inverts the sums of :mod:`integrable.portrait.separated` in floats. One more step, with the sums in
-double-doubles, doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds per oval.
+The phases are sums of integrals over the ovals (:mod:`integrable.portrait.separated`) up to the points, and grow
+linearly in time. Newton's method finds the points in floats, and one more step, with the sums in double-doubles,
+doubles the digits. A set-up takes some tens of milliseconds, a time some tens of microseconds per oval.
 """
 
 from __future__ import annotations
@@ -21,8 +22,6 @@ from jacobian.numbers.double_double import double_double_row
 
 # high modes below NEGLIGIBLE times the largest mode are omitted
 NEGLIGIBLE = 1e-34
-
-
 HalfAngles = list[tuple[Column, Column]]
 
 
@@ -36,11 +35,10 @@ class PhaseTorus(FarTimes):
     def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:
         self._torus, self._read, self._floats = torus, read, torus.in_floats
         self._genus, self._round = len(torus.ovals), Column(*inverse_factorials()[0])
-        self._frequencies = [Column.of(x) for x in torus.frequencies]
-        self._places = [Column.of(x) for x in torus.phases]
+        self._frequencies, self._places = [*map(Column.of, torus.frequencies)], [*map(Column.of, torus.phases)]
         self.paces = [float(x) for x in torus.frequencies if x]
         self._means, self._waves = [*map(_columns, torus.means)], [*map(_waves, torus.waves)]
-        self._begin = [Column.of(x) for x in torus.swings_at_start]
+        self._begin = [*map(Column.of, torus.swings_at_start)]
 
     def at(self, times: np.ndarray) -> Any:
         """The values of ``read`` at N times."""
@@ -93,8 +91,8 @@ class PhaseTorus(FarTimes):
         return total
 
     def _moved(self, j: int, angles: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """The first-order change of the sum of form j, without that of :meth:`_of_poles`, if the angles change by
-        ``late``.
+        """The first-order change of :meth:`_sums` for form j, without the terms of :meth:`_of_poles`, if the angles
+        change by ``late``.
         """
         K, found = Columns(), np.zeros(len(angles))
         form = self._torus.forms[j]
@@ -103,14 +101,14 @@ class PhaseTorus(FarTimes):
             x = oval.middle - oval.radius * Column(np.cos(phi))
             slope = form.coefficient(K, x) * oval.weight(K, x)
             for pole in self._torus.poles[k][j]:
-                # the derivative of the term in _of_poles, residue/(x − place) − mean, is subtracted
+                # the term in _of_poles has the derivative residue/(x − place) − mean
                 slope = slope - Column.of(pole.residue) / (x - Column.of(pole.place)) + Column.of(pole.mean)
             found += move * slope.hi
         return found
 
 
 def _columns(values: Sequence[Real]) -> Column:
-    """Long numbers as one column, (n, 1)."""
+    """Long numbers as one column, shape (n, 1)."""
     high, low = double_double_row(values).T
     return Column(high[:, None], low[:, None])
 
@@ -123,7 +121,7 @@ def _waves(rows: Sequence[Sequence[Real]]) -> list[Column]:
 
 
 def circles(angles: np.ndarray) -> tuple[Column, Column]:
-    """The pairs (sin, cos), in double-doubles, of angles in floats."""
+    """sin and cos in double-doubles."""
     given, out = np.ascontiguousarray(angles, dtype=np.float64), np.empty((2, len(angles), 2))
     LIBRARY.circle_points(given, inverse_factorials(), out[0], out[1])
     cosines, sines = (Column(*np.ascontiguousarray(part.T)) for part in out)

@@ -13,7 +13,7 @@ determined, also after q_i passes 0. If l_i ≠ 0, q_i does not vanish and keeps
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import Point
@@ -26,13 +26,8 @@ from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, shown
 from jacobian.relatives.extended import Extended, Lift
 
-
-class Shape(NamedTuple):
-    """The polynomials u₀, ½u₀' and w₀ at a state."""
-
-    u: poly.Poly
-    v: poly.Poly
-    w: poly.Poly
+Shape = tuple[poly.Poly, poly.Poly, poly.Poly]
+"""The polynomials u₀, ½u₀' and w₀ at a state."""
 
 
 class QuadricSystem(MumfordSystem):
@@ -45,10 +40,6 @@ class QuadricSystem(MumfordSystem):
 
     def _shape(self, N: FormulaField, state: Point) -> Shape:
         """Defined by subclasses: the polynomials u₀, ½u₀' and w₀ of a state."""
-        raise NotImplementedError
-
-    def _genus(self) -> int:
-        """Defined by subclasses: the degree of U."""
         raise NotImplementedError
 
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
@@ -66,9 +57,6 @@ class QuadricSystem(MumfordSystem):
     def _axes(self, state: Point) -> Point:
         return Point(state.q[self.before :], state.p[self.before :])
 
-    def _signed(self, N: FormulaField, x: Real) -> Real:
-        return x if self.sign > 0 else -x
-
     def _pull(self, N: FormulaField, state: Point) -> list[Real]:
         """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
@@ -78,27 +66,26 @@ class QuadricSystem(MumfordSystem):
         return bool(barrier != self.field.zero)
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:
-        (q, p), shape = self._axes(state), self._shape(N, state)
+        (q, p), (u0, v0, w0) = self._axes(state), self._shape(N, state)
         f1 = poly.from_roots(N, self._constants_in(N))
 
         def with_poles(over: poly.Poly, weights: Sequence[Real]) -> poly.Poly:
-            return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self._signed(N, x) for x in weights]))
+            return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self.sign * x for x in weights]))
 
-        u = with_poles(shape.u, [x * x for x in q])
-        v = with_poles(shape.v, [x * y for x, y in zip(q, p, strict=True)])
-        w = with_poles(shape.w, [-(y * y + pull) for y, pull in zip(p, self._pull(N, state), strict=True)])
+        u = with_poles(u0, [x * x for x in q])
+        v = with_poles(v0, [x * y for x, y in zip(q, p, strict=True)])
+        w = with_poles(w0, [-(y * y + pull) for y, pull in zip(p, self._pull(N, state), strict=True)])
         # coefficients that the constraints fix are set to their exact values
         u, v = (*padded(N, u, self._genus()), N.one), padded(N, v, self._genus())
         f = poly.add(N, poly.mul(N, v, v), poly.mul(N, u, w))
         return all_of(N, (f, u, v), self._genus())
 
     def _direction(self, N: FormulaField, genus: int) -> Sequence[Real]:
-        return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -2)))
+        return (*[N.zero] * (genus - 1), poly.integer(N, -2))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
         """The form ½εy dx/f₁ of p dq, since dq_i/q_i = ½Σdx/(x − a_i) and ΣV(a_i)/(f₁'(a_i)(x − a_i)) = V/f₁."""
-        half = self._signed(N, N.one / 2)
-        return Form(poly.scale(N, half, self._spectral(N, state).f), self._constants_in(N))
+        return Form(poly.scale(N, self.sign * N.one / 2, self._spectral(N, state).f), self._constants_in(N))
 
     def _branches(self, N: FormulaField) -> tuple[Real, ...]:
         found = zip(self._constants_in(N), self._barriers(), strict=True)
@@ -106,19 +93,16 @@ class QuadricSystem(MumfordSystem):
 
     def _start(self, N: FormulaField, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
-        kinds, data = [], []
         # U(a_i) = εd_i q_i², V(a_i) = εd_i q_i p_i with d_i = f₁'(a_i)
-        for e, slope, barrier, x, y in self._along_axes(N, state):
-            if not self._stands(barrier):
-                kinds.append(Lift(e))
-                data.append((slope, x, y))
-        return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
+        free = [axis for axis in self._along_axes(N, state) if not self._stands(axis[2])]
+        data = tuple((slope, x, y) for _, slope, _, x, y in free)
+        return Start(f, u, v, self._direction(N, len(v)), [Lift(axis[0]) for axis in free], data)
 
     def _along_axes(self, N: FormulaField, state: Point) -> Iterator[tuple[Real, ...]]:
         """(a_i, εd_i, l_i, q_i, p_i) for each axis, d_i = f₁'(a_i)."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
-        signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]
+        signed = [self.sign * poly.evaluate(N, slopes, e) for e in a]
         return zip(a, signed, self._barriers(), *self._axes(state), strict=True)
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:

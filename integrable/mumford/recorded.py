@@ -1,15 +1,14 @@
 """The formulas that convert states of one kind of system to pairs and back, recorded once as tapes of operations.
 
-A formula of a system, written for any field, takes microseconds for each operation. Its tape takes a tenth of that in
-long numbers, and nanoseconds in double-doubles, where a compiled loop applies it to many pairs at once.
+An operation of a formula in Python takes microseconds. Evaluated from its tape it takes a tenth of that in long
+numbers, and nanoseconds in double-doubles, where a compiled loop applies the tape to many pairs at once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from math import log
-from operator import add, mul, sub, truediv
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +21,7 @@ from integrable.series.tape import (
     CONSTANT,
     DIFFERENCE,
     GROWTH,
-    MULTIPLE,
-    PRODUCT,
+    OPERATIONS,
     QUOTIENT,
     ROOT,
     SUM,
@@ -43,7 +41,7 @@ from jacobian.relatives.extended import Extended, Lift
 
 # operations that only tapes of this module have
 EXPONENTIAL, LOGARITHM = GROWTH + 1, GROWTH + 2
-# the number of pairs to which a tape is applied at once, so that all its values stay in a cache
+# the number of pairs to which the loop applies each operation of a tape in turn: so few that all values stay in a cache
 BLOCK = 128
 
 
@@ -51,25 +49,21 @@ class PairField(SymbolField):
     """The field over which formulas are recorded."""
 
     class context(SymbolField.context):
-        """Exponentials and logarithms of recorded numbers."""
-
         @staticmethod
         def exp(x: Recorded) -> Recorded:
-            """e^x."""
             return x.function(EXPONENTIAL)
 
         @staticmethod
         def log(x: Recorded) -> Recorded:
-            """The natural logarithm."""
             return x.function(LOGARITHM)
 
 
 class PairFormulas:
     """The formulas of one kind of system.
 
-    ``start``(N, y) returns (q, p), projected onto its constraints, and the start of the motion, where y are ``count``
-    numbers: q and p, then those of the system. ``back``(N, y, D, time) returns (q, p) at a pair D of the motion.
-    TypeError or ArgumentError if one of them calls a function that cannot be recorded.
+    y are ``count`` numbers: q and p, then the constants and parameters of the system. ``start``(N, y) returns (q, p),
+    projected onto its constraints, and the start of the motion; ``back``(N, y, D, time) returns (q, p) at a pair D of
+    the motion. TypeError or ArgumentError if one of them calls a function that cannot be recorded.
     """
 
     def __init__(
@@ -95,7 +89,8 @@ class PairFormulas:
             u, v, data = shaped(pair, values)
             return [*flat(back(N, y[:count], Extended((*u, N.one), v, data), next(values)))]
 
-        self._back = PointFormulas(recorded(read, count + len([*flat(pair)]) + 1), count)
+        self.back = PointFormulas(recorded(read, count + len([*flat(pair)]) + 1), count)
+        """``back`` at many pairs; the fixed variables are y, with q and p projected onto their constraints."""
 
     def start(self, N: LongField, numbers: Sequence[Real]) -> tuple[Vectors, Start]:
         """(q, p) and the start of a motion in long numbers."""
@@ -105,62 +100,45 @@ class PairFormulas:
         kinds = [Lift(next(places)) if isinstance(kind, Lift) else kind for kind in found.kinds]
         return vectors, Start(f, u, v, direction, kinds, data)
 
-    def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
-        """The numbers that all states of one motion share, in double-doubles. ``numbers`` are as for ``start``, with q
-        and p projected onto their constraints.
-        """
-        return self._back.fixed(N, numbers)
-
     def states(self, fixed: Row, D: Extended, times: np.ndarray) -> np.ndarray:
         """The states of N pairs, each at its own time: q and p, shape (N, 2, n). Every number of ``D`` is a
-        :class:`integrable.mumford.columns.Column` of N numbers.
+        :class:`integrable.mumford.columns.Column` of N numbers; ``fixed`` is the result of :meth:`PointFormulas.fixed`.
         """
         rows = [*map(Column.of, flat((D.u[:-1], D.v, D.data))), Column(times)]
         given = np.zeros((len(rows), len(times), 2))
         for row, x in zip(given, rows, strict=True):
             row[:, 0], row[:, 1] = x.hi, x.lo
-        return self._back.at(fixed, given)[:, :, 0].reshape(len(times), 2, -1)
+        return self.back.at(fixed, given)[:, :, 0].reshape(len(times), 2, -1)
 
 
 class PointFormulas:
-    """The formulas of a tape for many points of a motion, for which the first ``count`` variables are fixed. The
-    results are computed in double-doubles.
+    """The formulas of a tape, applied in double-doubles to many points of a motion at once. The first ``count``
+    variables are the same at all points.
     """
 
     def __init__(self, tape: Tape, count: int) -> None:
-        self._program, fixed = divided(tape, count)
+        self._codes, self._results, fixed = divided(tape, count)
         self._fixed, self._rooms = LongTape(fixed), list[np.ndarray]()
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
-        """The numbers that the results at all points of a motion share, in double-doubles, from the fixed variables."""
+        """The values of all operations on the first ``count`` variables alone, in double-doubles."""
         return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
         """The results at N points, shape (N, results, 2); ``given`` has the shape (other variables, N, 2)."""
-        variables, count, _ = given.shape
-        (codes, results), wide = self._program, len(self._program.results)
+        (variables, count, _), codes, wide = given.shape, self._codes, len(self._results)
         out = np.empty((count * wide, 2))
-        # memory is reused, because an allocation takes as long as the operations on several points
+        # memory is reused, because to allocate it takes as long as the operations on several points
         try:
             room = self._rooms.pop()
         except IndexError:
             room = np.empty(((len(fixed) + variables + len(codes) // 3) * BLOCK, 2))
-        LIBRARY.applied(codes, results, fixed, given.reshape(-1, 2), room, out)
+        LIBRARY.applied(codes, self._results, fixed, given.reshape(-1, 2), room, out)
         self._rooms.append(room)
         return out.reshape(count, wide, 2)
 
 
-class Program(NamedTuple):
-    """A tape for a compiled loop: triples (kind, left, right), and the places of the results. The places of fixed
-    numbers come first, then those of variables, then those of operations.
-    """
-
-    codes: np.ndarray
-    results: np.ndarray
-
-
 def parts_of(start: Start) -> tuple[Sequence[Any], ...]:
-    """The numbers of a start, in tuples."""
     ends = tuple([kind.e for kind in start.kinds if isinstance(kind, Lift)])
     return start.f, start.u, start.v, tuple(start.direction), ends, start.data
 
@@ -179,9 +157,9 @@ def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
     return tuple([shaped(x, values) if isinstance(x, tuple) else next(values) for x in shape])
 
 
-def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
-    """The program for the nodes that depend on variables after the first ``count``, and the tape for the other numbers
-    that the program uses, which are fixed for a motion. TypeError for an exponential of a variable, which no compiled
+def divided(tape: Tape, count: int) -> tuple[np.ndarray, np.ndarray, Tape]:
+    """The ``codes`` and ``results`` of :func:`applied` for the operations on variables after the first ``count``, and
+    the tape of the ``fixed`` numbers that they need. TypeError for an exponential of these variables, which no compiled
     loop computes.
     """
     fixed = list[bool]()
@@ -197,13 +175,8 @@ def divided(tape: Tape, count: int) -> tuple[Program, Tape]:
     order = [*shared, *(variables[k] for k in range(count, len(variables))), *operations]
     place = {n: k for k, n in enumerate(order)}
     codes = [x for n in operations for x in (tape.kinds[n], place[tape.left[n]], place[tape.right[n]])]
-    integers = np.array(codes, dtype=np.int64), np.array([place[n] for n in tape.results], dtype=np.int64)
-    return Program(*integers), tape._replace(results=shared)
-
-
-OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {
-    SUM: add, DIFFERENCE: sub, MULTIPLE: mul, PRODUCT: mul, QUOTIENT: truediv,
-}  # fmt: skip
+    results = [place[n] for n in tape.results]
+    return np.array(codes, dtype=np.int64), np.array(results, dtype=np.int64), tape._replace(results=shared)
 
 
 class LongTape:
@@ -213,6 +186,8 @@ class LongTape:
         import gmpy2
 
         functions = {ROOT: gmpy2.sqrt, GROWTH: gmpy2.expm1, EXPONENTIAL: gmpy2.exp, LOGARITHM: gmpy2.log}
+        # a function of one number is on both sides of its node
+        operations = OPERATIONS | {kind: lambda x, _, f=f: f(x) for kind, f in functions.items()}
         self._results, used = tape.results, set(tape.results)
         self._variables, self._constants = list[tuple[int, int]](), list[tuple[int, Any]]()
         self._operations = list[tuple[Callable[[Any, Any], Any], int, int, int]]()
@@ -225,8 +200,7 @@ class LongTape:
                 self._constants.append((n, tape.constants[n]))
             else:
                 used |= {left, right}
-                function = functions.get(kind)
-                self._operations.append((OPERATIONS[kind] if function is None else of_first(function), n, left, right))
+                self._operations.append((operations[kind], n, left, right))
         self._operations.reverse()
         self._known = dict[int, list[Real]]()
         self._size = len(tape.kinds)
@@ -247,11 +221,6 @@ class LongTape:
         return found
 
 
-def of_first(function: Callable[[Any], Any]) -> Callable[[Any, Any], Any]:
-    """A function of one number as a function of two."""
-    return lambda x, _: function(x)
-
-
 def of_key(N: LongField, key: Key) -> Real:
     """The value of a symbol that contains no constant of a system."""
     if key[0] == "number":
@@ -260,8 +229,10 @@ def of_key(N: LongField, key: Key) -> Real:
 
 
 def applied(codes: Row, results: Row, fixed: Row, given: Row, room: Row, out: Row) -> None:
-    """Writes the results of a :class:`Program` for each point to ``out``. ``given`` has a row of all points for each
-    variable; ``room`` is memory for BLOCK numbers for each place.
+    """Writes the values of a tape's results at all points to ``out``. ``codes`` are triples (kind, left, right) of
+    operations on places, and ``results`` are places: first those of the ``fixed`` numbers, then those of variables,
+    then those of operations. ``given`` has for each variable its values at all points; ``room`` is memory for BLOCK
+    values at each place.
     """
     count, wide = len(out) // len(results), len(results)
     variables = len(given) // count
@@ -298,7 +269,7 @@ def operate(kind: int, left: int, right: int, room: Row, here: int, points: int)
     elif kind == LOGARITHM:
         for i in abreast(0, points):
             x = float(room[left + i])
-            # log(x) is a float: results are rounded to floats, and need no more digits of a logarithm
+            # log(x) is only a float, which suffices because results are rounded to floats
             room[here + i] = log(x) + (room[left + i] - x) / x
     else:
         for i in abreast(0, points):

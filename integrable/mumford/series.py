@@ -2,8 +2,8 @@
 
 The sums Σ∫x^k dx/y over the points grow as c_kτ. Each integral is a series in balls; Cauchy's estimate on a disc where
 f does not vanish bounds its remainder. The interval Newton method (Moore 1966) encloses the points at τ. Motions in
-long numbers use the midpoints of the balls. Lifts and integrals of the second and third kind are single-valued on C^g,
-where all paths from 0 to cτ are equivalent. So they may be continued along the paths of the points.
+long numbers use the midpoints of the balls. Lifts and integrals of the second and third kind are single-valued
+functions of cτ ∈ C^g, so their values at D(τ) may be computed along the paths of the points.
 """
 
 from __future__ import annotations
@@ -29,10 +29,8 @@ if TYPE_CHECKING:
 
 # on the disc around a point the k-th term of f/f(x) is at most WITHIN^(−k)
 WITHIN = 2.5
-# largest number of Newton steps at full precision
-MOST_STEPS = 60
-# Newton's method starts at this many bits, with this many steps
-ROUGH_BITS, ROUGH_STEPS = 64, 4
+# Newton's method takes ROUGH_STEPS steps at ROUGH_BITS bits, and at most MOST_STEPS at full precision
+ROUGH_BITS, ROUGH_STEPS, MOST_STEPS = 64, 4, 60
 # bits of the balls beyond those of long numbers: the solution of the equations loses some
 GUARD_BITS = 32
 
@@ -65,7 +63,7 @@ class PointIntegrals:
         self._order = order
 
     def _disc(self, f: Poly, apart: Sequence[Ball]) -> arb:
-        """A radius within which |f/f(x) − 1| ≤ Σ WITHIN^(−k) = 2/3, at most half of each |x − e| in ``apart``."""
+        """A radius of a disc on which |f/f(x) − 1| ≤ Σ WITHIN^(−k) = 2/3, at most half of each |x − e| in ``apart``."""
         sizes = [abs(c).abs_upper() for c in f[1:]]
         reaches = [x ** (-self._one.real / k) / WITHIN for k, x in enumerate(sizes, 1) if x > 0]
         radius = min((x.abs_lower() for x in (*reaches, *(abs(e) / 2 for e in apart))), key=float)
@@ -92,7 +90,7 @@ class PointIntegrals:
 
 
 def _inverse_root(f: Poly, first: Ball, order: int) -> list[Ball]:
-    """The series of w = ``first``·f^(−1/2), from 2fw' = −f'w; f(0) = 1."""
+    """The series of w = ``first``·f^(−1/2) for f(0) = 1, by 2fw' = −f'w."""
     row = [first]
     for n in range(1, order):
         total = sum(c * ((2 * n - j) * row[n - j]) for j, c in enumerate(f[1 : n + 1], 1))
@@ -101,7 +99,7 @@ def _inverse_root(f: Poly, first: Ball, order: int) -> list[Ball]:
 
 
 def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
-    """The series of ``row`` divided by start + m, where m is the variable."""
+    """The quotient of the series ``row`` in m by start + m."""
     found: list[Ball] = []
     for c in row:
         found.append((c - found[-1]) / start if found else c / start)
@@ -147,7 +145,8 @@ class PointMotion:
         """The distances x − x(0) of the points of D(τ) from those of D(0)."""
         K = self._balls
         middle = [(rate * time).mid() for rate in self._rates]
-        # Newton's steps double the number of correct bits; the first guess has about 6 (translations.PART)
+        # Newton's steps double the number of correct bits, and the first guess has about PART = 6 of them
+        # (:mod:`integrable.mumford.translations`)
         for bits in (*[ROUGH_BITS] * ROUGH_STEPS, *doubling_precisions(K.bits, ROUGH_BITS)[:-1]):
             with K.reals.at(bits):
                 step = self._solved(self._missing(time, middle), middle)
@@ -157,8 +156,8 @@ class PointMotion:
             step = self._solved(missing, middle)
             width = [2 * abs(x).abs_upper() for x in step]
             found = self._solved(missing, [around(x, w) for x, w in zip(middle, width, strict=True)])
-            # the iteration ends when the Newton step over the box is at most twice as wide as that at the midpoint,
-            # whose width is due to rounding and to the radius of the time
+            # the iteration ends when ``found``, the Newton step over the box, is at most twice as wide as that at its
+            # midpoint, whose width comes from rounding and from the radius of the time
             if all(abs(x) <= w and x.rad() <= 2 * y.rad() for x, y, w in zip(found, step, width, strict=True)):
                 return [x + y for x, y in zip(middle, found, strict=True)]
             middle = [(x + y).mid() for x, y in zip(middle, step, strict=True)]
@@ -170,7 +169,6 @@ class PointMotion:
         return [c * time - total for c, total in zip(self._direction, sums, strict=True)]
 
     def _sums(self, moves: Sequence[Ball], which: slice) -> list[Ball]:
-        """Selected integrals, summed over the points."""
         integrals = (p.at(x, which) for p, x in zip(self._points, moves, strict=True))
         return [sum(row, self._balls.zero) for row in zip(*integrals, strict=True)]
 

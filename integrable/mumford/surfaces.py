@@ -10,10 +10,10 @@ from jacobian.element import FormulaField, Real
 
 
 class SurfaceSystem(MumfordSystem):
-    """Base class of systems with (n, q) = 1 for a vector n along the normal at q; on the unit sphere n = q.
+    """Base class of systems on the surface (n, q) = 1, where n is normal to it at q; on the unit sphere n = q.
 
-    The constraints are the first one, two or three of (n, q) = 1, (n, p) = 0 and p ≠ 0, by the length of
-    ``_constraint_names``.
+    The constraints are the first one, two or three of (n, q) = 1, (n, p) = 0 and p ≠ 0, as many as
+    ``_constraint_names`` has.
     """
 
     _constraint_names: tuple[str, ...] = ("|q| = 1", "(q, p) = 0")

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from integrable.mumford.recorded import PairFormulas
     from integrable.series.kinds import Kind
 
-# a constraint may be off by OFF times the effect of a change in the last digits of q and p
+# a constraint holds if its value is below OFF times the change that q and p cause when their last digits change
 OFF = 2.0**24
 # formulas stay in the range of floats if |q| and |p| are below LARGE and constants are 0 or between 1/LARGE and LARGE
 LARGE = 1e9
@@ -117,15 +117,13 @@ class MumfordSystem(Made):
         raise NotImplementedError
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """Defined by subclasses whose equations of motion are not rational: functions of a state by which they become
-        rational.
+        """Defined by subclasses with roots or exponentials in q' and p': functions y of q and p such that q', p' and y'
+        are rational functions of q, p and y.
         """
         return ()
 
     def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
-        """Defined by subclasses with :meth:`_auxiliary`: q', p' and the derivatives of the auxiliary functions, by the
-        four operations.
-        """
+        """Defined by subclasses with :meth:`_auxiliary`: q', p' and y', by the four operations."""
         rate = self._vector_field(N, state)
         return (*rate.q, *rate.p)
 
@@ -142,20 +140,15 @@ class MumfordSystem(Made):
         """Defined by subclasses: the state of a divisor D that the motion from ``start`` reaches after ``time``."""
         raise NotImplementedError
 
-    def _time_rate(self, N: FormulaField, u: poly.Poly) -> Real:
-        """Defined by subclasses: dt/dτ at a pair; 1 if t is linear in τ."""
-        rate: Real = N.one
-        return rate
-
     def _action(self, N: FormulaField, state: Point) -> Form | None:
-        """Defined by subclasses: the form whose sum over the points of a pair is p dq, up to terms of angles about an
-        axis; None if there is none.
+        """Defined by subclasses: the differential form whose sum over the points of a pair is p dq, without the terms
+        of angles about an axis; None if no such form is known.
         """
         return None
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """Defined by subclasses if t is not linear in τ or there are angles about an axis: the forms whose sums over
-        the points of a pair are known.
+        """Defined by subclasses if t is not linear in τ or if there are angles about an axis: the differential forms
+        whose sums over the points of a pair are linear in time or are such angles.
         """
         genus = self._genus() or len(self._spectral(N, state).v)
         forms = [Form((*[N.zero] * j, N.one)) for j in range(genus)]
@@ -205,8 +198,8 @@ class MumfordSystem(Made):
 
     @property
     def _varied(self) -> dict[str, float]:
-        """By name, the size of a change of each constant and parameter that changes motions noticeably; 0 for those by
-        which no derivative is taken.
+        """The scale of each constant and parameter, by name, from which difference quotients take their steps; 0 for
+        one with respect to which no derivative is taken.
         """
         given = (value if isinstance(value, tuple) else (value,) for value in self.arguments.values())
         names = [
@@ -225,12 +218,12 @@ class MumfordSystem(Made):
         return state
 
     def _check(self, state: Point, inside: Point | None = None) -> None:
-        """ArgumentError if a state violates a constraint; ``inside`` is the state in ``numbers`` if it is known."""
+        """ArgumentError if a state violates a constraint; ``inside`` is the state over :attr:`numbers`, if known."""
         if self._last_checked is state:
             return
         N = self.numbers
         inside = inside or self._inside(N, state)
-        # an infinite value violates the constraint
+        # an infinite value is not beyond the range of floats here, but violates the constraint
         values = self._formula(self._constraints, state, inside, finite=False)
         sizes = [None] * len(values) if N.exact or not any(values) else self._constraint_sizes(inside)
         for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
@@ -316,35 +309,35 @@ class MumfordSystem(Made):
         genus = whole(genus, "genus", wanted, 1, self.size)
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
-    def _with_symbols(self) -> MumfordSystem:
-        """A copy of the system with symbols in place of its constants and its nonzero parameters."""
-        from integrable.series.symbols import Symbol, SymbolField
-
+    def _with(self, N: FormulaField, numbers: Sequence[Any]) -> MumfordSystem:
+        """The system with other constants and parameters, except that parameters that are 0 stay 0: their terms may
+        divide by quantities that vanish.
+        """
         count = len(self.constants)
-        symbols = tuple(Symbol(("constant", i)) for i in range(count))
-        # terms with parameter 0 must be omitted, because they may divide by quantities that vanish
-        further = tuple(Symbol(("constant", count + i)) if x else 0.0 for i, x in enumerate(self._standing))
-        return replaced(self, field=SymbolField(), constants=symbols, parameters=further)
+        further = (x if stands else N.zero for x, stands in zip(numbers[count:], self._standing, strict=True))
+        return replaced(self, field=N, constants=tuple(numbers[:count]), parameters=tuple(further))
 
     @property
     def _standing(self) -> tuple[bool, ...]:
-        """For each parameter, whether it differs from 0."""
-        return tuple([x != self.field.zero for x in self.parameters]) if self.parameters else ()
+        """Which parameters differ from 0."""
+        return tuple([x != self.field.zero for x in self.parameters])
 
     @property
     def _alike(self) -> tuple[object, ...]:
-        """The key that exactly the systems with the same formulas share."""
+        """Systems with equal keys differ only in their numbers, and share recorded formulas."""
         return type(self), self.size, len(self.constants), self._standing
 
     @quick_property
     def _kind(self) -> Kind | None:
-        """The compiled walks of systems with the same formulas; None if these cannot be recorded as a tape."""
+        """The compiled walks of all systems with this :attr:`_alike`; None if the formulas cannot be recorded."""
         return made_once(("walks", *self._alike), self._made_kind)
 
     def _made_kind(self) -> Kind | None:
         from integrable.series.kinds import Formulas, Kind
+        from integrable.series.symbols import Symbol, SymbolField
 
-        n, system = self.size, self._with_symbols()
+        n, count = self.size, len(self.constants) + len(self.parameters)
+        system = self._with(SymbolField(), [Symbol(("constant", i)) for i in range(count)])
 
         def point(y: Sequence[Real]) -> Point:
             return Point(tuple(y[:n]), tuple(y[n : 2 * n]))
@@ -358,8 +351,8 @@ class MumfordSystem(Made):
 
         rest = Point((RR.zero,) * n, (RR.zero,) * n)
         try:
-            count = 2 * n + len(self._auxiliary(RR, rest))
-            return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
+            variables = 2 * n + len(self._auxiliary(RR, rest))
+            return Kind(type(self).__name__, Formulas(rates, start, 2 * n, variables, n))
         except (TypeError, ArgumentError):
             # the equations call a function that cannot be recorded
             return None
@@ -372,14 +365,10 @@ class MumfordSystem(Made):
     def _made_formulas(self) -> PairFormulas | None:
         from integrable.mumford.recorded import PairFormulas
 
-        n, c = 2 * self.size, len(self.constants)
-        count = n + c + len(self.parameters)
+        n = self.size
 
         def given(N: FormulaField, y: Sequence[Real]) -> tuple[MumfordSystem, Point]:
-            # terms with parameter 0 are omitted
-            further = tuple(x if stands else N.zero for x, stands in zip(y[n + c :], self._standing, strict=True))
-            system = replaced(self, field=N, constants=tuple(y[n : n + c]), parameters=further)
-            return system, Point(tuple(y[: self.size]), tuple(y[self.size : n]))
+            return self._with(N, y[2 * n :]), Point(tuple(y[:n]), tuple(y[n : 2 * n]))
 
         def start(N: FormulaField, y: Sequence[Real]) -> tuple[Point, Start]:
             system, state = given(N, y)
@@ -391,14 +380,14 @@ class MumfordSystem(Made):
             return system._back(N, state, D, time)
 
         try:
-            return PairFormulas(start, back, count)
+            return PairFormulas(start, back, 2 * n + len(self.constants) + len(self.parameters))
         except (TypeError, ArgumentError, NotImplementedError):
             # a formula calls a function that cannot be recorded, or the system does not define _back
             return None
 
     @property
     def _walk_constants(self) -> tuple[float, ...]:
-        """The constants and parameters of a system in floats; a final 0 keeps the tuple from being empty."""
+        """The constants and parameters in floats; the final 0 keeps the tuple from being empty."""
         return *map(float, self.constants), *map(float, self.parameters), 0.0
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
@@ -412,7 +401,7 @@ class MumfordSystem(Made):
         return self.flow_type(self, state, self._tolerance(tolerance))
 
     def _check_range(self, state: Point) -> None:
-        """Checks a state as :meth:`_check` does; raises PrecisionLoss if the formulas exceed the range of floats."""
+        """:meth:`_check`, and PrecisionLoss if the formulas exceed the range of floats at the state."""
         self._check(state)
         if self.field == RR and max(map(abs, (*state.q, *state.p))) < self._ordinary_size:
             sizes = [abs(x) for x in (1.0, *self.constants, *self.parameters) if x]
@@ -421,7 +410,7 @@ class MumfordSystem(Made):
         self.spectral(state)
 
     _ordinary_size = LARGE
-    """Bound on |q| and |p| below which formulas stay in the range of floats."""
+    """The bound on |q_i| and |p_i| below which formulas stay in the range of floats."""
 
     def _tolerance(self, tolerance: float | None) -> float | None:
         if tolerance is None:
@@ -455,11 +444,8 @@ class MumfordSystem(Made):
         ArgumentError if the point is not near the curve, NotRepresentable if an exact formula divides by 0,
         PrecisionLoss if no precision suffices.
         """
-        found = entries(point, "point", "a pair (λ, μ)")
-        if len(found) != 2:
-            raise ArgumentError(f"point = {shown(point)}: a pair (λ, μ) is needed")
         N = self.numbers
-        x, y = (N.coerce(value, "point") for value in found)
+        x, y = elements(N, point, "point", 2, "a pair (λ, μ)")
         f = self._formula(self._spectral, state).f
         rest = y * y - poly.evaluate(N, f, x)
         size = None if N.exact else abs(y) ** 2 + sum(abs(c * x**i) for i, c in enumerate(f))

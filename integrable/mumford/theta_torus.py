@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from itertools import pairwise
-from math import frexp, pi
+from math import frexp, pi, prod
 from typing import NamedTuple
 
 import numpy as np
@@ -59,22 +59,22 @@ from jacobian.periods.real_basis import (
 )  # fmt: skip
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
-# the gap is the least distance of neighbouring branch points, relative to their distance from an origin. Periods are
-# computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. Below CLOSEST pairs on a model of
-# even degree may lose digits
+# the gap of a model is the least distance of neighbouring branch points, relative to their distance from the origin.
+# Periods are computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. Below CLOSEST pairs on
+# a model of even degree may lose digits
 CLOSE, CLOSEST = 2.0**-10, 2.0**-16
 # phases in double-doubles keep enough digits up to MOST_TURNS turns, or up to MOST_TURNS·CLOSE_TURNS·gap if this is
 # less
 CLOSE_TURNS = 16
-# second derivatives of theta functions, from which a mean is computed, also need terms that are smaller by the factor
-# e^(−π·FURTHER)
+# the mean of dt/dτ comes from second derivatives of theta functions, which need further terms, smaller than the others
+# by up to e^(−π·FURTHER)
 FURTHER = 4.0
-# Newton's method ends if the computed start differs from the given one by less than ENOUGH. A torus is refused if rates
-# of lifts on it and by the equations of motion differ by more than OBEYED
-# (:func:`integrable.torus.pair_loops.lifts_strayed`). At up to AMPLIFIED of the CHECKED points they may differ by
-# ROUGHLY: in a narrow peak of a lift, errors of 1e-23 of other lifts are amplified to 4e-11
+# Newton's method for the phases of the start ends if the lifts there differ from the given ones by less than ENOUGH. At
+# CHECKED points the derivatives of the lifts along the torus are compared with the equations of motion
+# (:func:`integrable.torus.pair_loops.lifts_strayed`). The difference may exceed OBEYED at AMPLIFIED points, because an
+# error of 1e-23 of some lifts grows to 4e-11 in a narrow peak of another, and must not exceed ROUGHLY
 ENOUGH, OBEYED, AMPLIFIED, ROUGHLY = 1e-31, 1e-15, 4, 1e-10
-# the time of the one witness, in turns of the faster phase
+# the time at which the state is compared with another method, in turns of the faster phase
 WITNESS = 0.3
 
 # (κ, σ, ν) by branch point
@@ -183,9 +183,9 @@ class ThetaTorus(FarTimes):
             return self._placed(Z, whole, theta_basis(Z, model), lifts, None)
 
     def _placed(self, N: LongField, found: ScaledModel, basis: PairBasis, lifts: Lifts, timed: Rate | None) -> None:
-        """Completes a torus whose basis is known; PrecisionLoss if its pairs are not those of the motion."""
+        """Sets up the theta functions in a known basis; PrecisionLoss if their pairs are not those of the motion."""
         loops, model, places = CompiledLoops(), found.model, ends_of(found.roots, lifts)
-        self._count, row, places = min(len(lifts), len(places)), loops.row, places + ([4] if timed else [])
+        self._count, row, places = len(lifts), loops.row, places + ([4] if timed else [])
         ends = [end_of(N, found, k, lifts) for k in places]
         self._kappas = [Column.of(end.kappa) for end in ends[: self._count]]
         chars = [basis.chars[k] for k in (*places, 5)]
@@ -213,8 +213,8 @@ class ThetaTorus(FarTimes):
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which states are compared with another method. One is enough, because rates of the lifts have been
-        checked on the whole torus; there are more where pairs may lose digits.
+        """The times at which states are compared with another method: one, because the derivatives of the lifts have
+        been checked all over the torus, or more where pairs may lose digits.
         """
         return super().witnesses if self._doubtful else np.array([WITNESS / max(map(abs, self.paces))])
 
@@ -279,12 +279,11 @@ class End(NamedTuple):
 
 def end_of(N: LongField, found: ScaledModel, k: int, lifts: Lifts) -> End:
     """The :class:`End` of root number k, with the lift of the motion if it has one there."""
-    model, own, slope = found.model, lifts.get(found.roots[k]), N.one
+    model, own = found.model, lifts.get(found.roots[k])
     kappa, sigma, nu = own or lift_of(N, model, model.roots[k])
     size = N.sqrt(abs(kappa)).real / abs(found.length if own else 1.0)
     high = size * (found.length**2 / found.height if own else 1.0)
-    for e in (*model.roots[:k], *model.roots[k + 1 :]):
-        slope = slope * (model.roots[k] - e)
+    slope = prod((model.roots[k] - e for i, e in enumerate(model.roots) if i != k), start=N.one)
     return End(kappa, N.sqrt(N.sqrt(abs(slope))).real, (sigma * size, nu * high), (1 / size, 1 / high))
 
 

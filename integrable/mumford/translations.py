@@ -1,10 +1,10 @@
 """The translations T(τ) of a motion with constant direction on a Jacobian of any genus, and their addition.
 
-D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve, where E(δ) is the result of moving E along the direction
-for the time δ. E is chosen where the curve is real and away from its branch points. For a short time h, E(h) is
-computed from series (:mod:`integrable.mumford.series`). While T(2^k h) is small, it has points near infinity and is
-stored as E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position, T(2^k h) itself is stored. The remainder r
-of τ beyond a multiple of h contributes E(r) − E.
+D(τ + δ) = D(τ) + E(δ) − E for any divisor E of the curve, where E(δ) is the result of moving E along the direction for
+the time δ. The reference divisor E has real points away from the branch points. For a short time h, E(h) is computed
+from series (:mod:`integrable.mumford.series`). While 2^k h is small, T(2^k h) has points near infinity and is stored as
+E_k − E, where E_{k+1} = 2E_k − E. Once it is in general position, T(2^k h) itself is stored. The remainder r of τ
+beyond a multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
 # least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# T is in general position under two conditions. Let R be the largest root of E's U: the roots of T's U are at most NEAR
-# times as large. At |x| = R the sizes of the terms of V sum to at most NEAR times √(the sum of those of f). V is large
-# if two points of T are nearly P + ιP. A short shift along (1, 0, …) in genus 4 has two such pairs near x = 0, and
-# their sums lose hundreds of bits
+# T is in general position under two conditions, where R is the largest root of the U of E: the roots of the U of T are
+# at most NEAR·R in size, and at |x| = R the terms of V have a sum of absolute values of at most NEAR·√(that of f). V is
+# large if T nearly contains a pair P + ιP, as T(τ) along (1, 0, …) does in genus 4 for a short τ, with two pairs near
+# x = 0. Sums with such a T lose hundreds of bits
 NEAR = 4
 
 
@@ -35,9 +35,12 @@ class GroupTranslations:
 
     The :class:`LongField` of ``group`` must be entered. On a model of even degree and odd genus, the sum of two
     divisors of degree g reduces to one of degree g + 1, which its class does not determine. There a point P₀ is added
-    with one divisor, and subtracted with the other. ``ends`` are the branch points of lifts at which the moved pairs
+    with one divisor, and subtracted with the other. ``ends`` are the branch points with lifts at which the moved pairs
     have a point; a point at a double point of the curve has to stay there.
     """
+
+    _drifts = True
+    """Whether rounding moves sums off the curve."""
 
     def __init__(self, group: ExtendedGroup, direction: Sequence[Real], ends: Sequence[Real] = ()) -> None:
         self.group, self._ends = group, ends
@@ -46,7 +49,8 @@ class GroupTranslations:
         g = group.genus
         pair, point = through(self.field, xs[:g], ys[:g]), through(self.field, xs[g:], ys[g:])
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
-        self._series = PointMotion(self.field, group.f, (xs[:g], ys[:g]), direction, points, self._order())
+        order = self.field.bits // (PART - 1) + 8
+        self._series = PointMotion(self.field, group.f, (xs[:g], ys[:g]), direction, points, order)
         self.unit = self.field.coerce(2.0 ** (math.frexp(self._series.reach)[1] - 1 - PART))
         self._start = pair[0]
         zero = self.field.zero
@@ -65,16 +69,12 @@ class GroupTranslations:
         """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
         return reference(self.group)
 
-    def _order(self) -> int:
-        """The number of terms of the series of E(τ)."""
-        return self.field.bits // (PART - 1) + 8
-
     def carried(self, D: Extended, tau: Real) -> Extended:
         """The divisor D + T(τ)."""
         if tau == 0:
             return D
         # r = τ − count·h is in [h/2, 3h/2), so that E(r) is not too close to E
-        count = self._count(tau)
+        count = self.field.nearest(tau / self.unit) - 1
         place, k = count, 0
         while place:
             # non-adjacent form (Reitwiesner 1960): only a third of the digits are nonzero
@@ -83,9 +83,6 @@ class GroupTranslations:
                 D = self.added(D, k, digit)
             place, k = (place - digit) // 2, k + 1
         return self._moved(D, self._near(tau - count * self.unit))
-
-    def _count(self, tau: Real) -> int:
-        return self.field.nearest(tau / self.unit) - 1
 
     def added(self, D: Extended, k: int, digit: int) -> Extended:
         """The divisor D + T(2^k h) or D − T(2^k h), by the sign of ``digit``."""
@@ -98,10 +95,10 @@ class GroupTranslations:
         return self._moved(D, self._double(k)) if S is None else self._with_single(D, S)
 
     def _check_growth(self, k: int) -> None:
-        """Raises PrecisionLoss if T(2^k h) may move a pair away from a double point e at which it has to stay.
+        """Raises PrecisionLoss if adding T(2^k h) may move a point of a pair away from a double point e of the curve.
 
-        Sums keep the pair there only up to √eps, at every precision. Along a motion that leaves the neighbourhood, this
-        deviation grows like 1/U(e) with the U of T, and in total at most like (1/U(e))^(4/3).
+        A sum of divisors keeps the point at e only up to √eps. Each later sum multiplies this deviation by about
+        1/U(e), with the U of T, and all of them together by at most (1/U(e))^(4/3).
         """
         K = self.field
         for j in range(self._unseen, k + 1):
@@ -110,23 +107,24 @@ class GroupTranslations:
                 raise PrecisionLoss("rounding grows beside a double point of the curve: use more digits")
             self._unseen = j + 1
 
-    def from_reference(self, D: Extended) -> Extended:
-        """D − E, minus P₀ if there is one."""
-        return self.group.add(D, *self._back)
-
     def _moved(self, D: Extended, E: Extended) -> Extended:
-        """D + E minus the reference divisor."""
-        return self._settled(self._on_curve(self.group.add(self.group.add(D, E, *self._with), *self._back)))
+        """D + T, where ``E`` is the reference divisor plus T."""
+        return self._corrected(self.group.add(self.group.add(D, E, *self._with), *self._back))
 
     def _with_single(self, D: Extended, S: Extended) -> Extended:
-        """The divisor D + S, where S is a result of :meth:`_single`."""
-        total = self.group.add(D, S, *self._with)
+        """D + S, where S is a result of :meth:`_single`."""
         # on models of odd degree, sums in general position do not drift off the curve, but their lifts do
-        return self._settled(self._with_true_lifts(total) if self.group.odd else self._on_curve(total))
+        return self._corrected(self.group.add(D, S, *self._with), only_lifts=self.group.odd)
 
-    def _settled(self, D: Extended) -> Extended:
-        """The divisor D with the original κ of its lifts, since two sums in odd genus divide κ by ℓ², ℓ = lead(f)."""
+    def _corrected(self, D: Extended, only_lifts: bool = False) -> Extended:
+        """D moved back onto the curve, or with ``only_lifts`` each lift back to the root that it is.
+
+        Where degree and genus are odd, the sums have divided κ by ℓ², with the leading coefficient ℓ of f. There each
+        lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
+        """
         group = self.group
+        if self._drifts:
+            D = group.with_true_lifts(D) if only_lifts else group.retracted(D)
         if not (group.odd and group.genus % 2):
             return D
         c = 1 / group.f[-1]
@@ -135,12 +133,6 @@ class GroupTranslations:
             for kind, x in zip(group.kinds, D.data, strict=True)
         ]
         return D._replace(data=tuple(data))
-
-    def _on_curve(self, D: Extended) -> Extended:
-        return self.group.retracted(D)
-
-    def _with_true_lifts(self, D: Extended) -> Extended:
-        return self.group.with_true_lifts(D)
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
@@ -156,7 +148,7 @@ class GroupTranslations:
             S = self._singles.get(j - 1)
             if S is not None:
                 S = self._with_single(S, S)
-            elif not self._is_general(S := self.from_reference(self._double(j))):
+            elif not self._is_general(S := self.group.add(self._double(j), *self._back)):
                 S = None
             self._singles[j] = S
         return self._singles.get(k)
@@ -166,21 +158,24 @@ class GroupTranslations:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size and flat)
 
     def _near(self, time: Real) -> Extended:
-        """The divisor E(time), with its data."""
+        """E(time), with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 
     def _placed(
         self, u: poly.Poly, v: poly.Poly, omega: Real, start: poly.Poly, thirds: Sequence[Real] = ()
     ) -> Extended:
-        """A pair with its data, continued from the pair whose U is ``start``, at which lifts are 1."""
+        """The pair (u, v) with its data, which are continued from the divisor E, where U is ``start`` and lifts are 1.
+
+        ``omega`` and ``thirds`` are the integrals of :meth:`integrable.mumford.series.PointMotion.at` from there.
+        """
         K, data, integrals = self.field, [], iter(thirds)
         for kind in self.group.kinds:
             if isinstance(kind, Lift):
                 value, first = (poly.evaluate(K, a, kind.e) for a in (u, start))
                 data.append(kind.of(self.group, u, v, K.sqrt(value / first)))
             elif isinstance(kind, PointLift):
-                # with ' = d/dτ and n of ``multiplier``, σ'/σ = ½U(x)'/U(x) + ½n(x)y/U(x); for σ̄, y is replaced by −y
+                # σ'/σ = ½U(x)'/U(x) + ½n(x)y/U(x), where ' is d/dτ and n the multiplier; for σ̄ y is replaced by −y
                 value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
                 root, turn = K.sqrt(value / first), elementary(K, "exp", kind.y * next(integrals, K.zero) / 2)
                 data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))

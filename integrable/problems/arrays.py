@@ -32,8 +32,7 @@ class Arrays:
 
 def columns(y: Any) -> list[Any]:
     """The components of states of shape (…, n): n arrays, or n floats for a single state of floats."""
-    array = np.asarray(y)
-    return list(array) if array.ndim == 1 else list(np.moveaxis(array, -1, 0))
+    return list(np.moveaxis(np.asarray(y), -1, 0))
 
 
 def stacked(parts: Iterable[Any]) -> np.ndarray:

@@ -5,26 +5,35 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cached_property
-from math import ceil, log10
+from math import ceil, hypot, log10
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
 from integrable.problems.units import UNITS, Unit
 from integrable.scene.data import Scene
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.fields.rational import primitive
 
-__all__ = ["Rows", "UnitMotion"]
+__all__ = ["UnitMotion"]
 
 Rows = list[list[Any]]
 
 GUARD, FINER, LEAST = 8, 12, 25
 """The first of two runs has GUARD digits more than requested, and at least LEAST; the second has FINER more digits."""
 MOST_ATTEMPTS = 6
+EXACT = 20
+"""Extra digits of midpoints of balls: they then hold a double exactly, and their rounding is added to the radius."""
+SPREAD = 0.02
+"""The relative change of a start without constraints: so small that bounded motions stay bounded."""
+LARGEST = 64
+"""With constraints the components of q are integers below this, times a power of two."""
 
 
 class Scales(NamedTuple):
-    """The factors of q and p, and the divisor of times, that scale a motion of unit length to that of a problem."""
+    """The motion of a problem is q·Q(t·time), p·P(t·time), where Q, P is the motion with |Q| = 1."""
 
     q: Any
     p: Any
@@ -34,13 +43,13 @@ class Scales(NamedTuple):
 class UnitMotion:
     """A scene in doubles, with its system, start and states in any number type.
 
-    In the states |q| is that of the start in doubles (:mod:`integrable.problems.units`).
+    |q| need not be 1 (:mod:`integrable.problems.units`): states are those of the motion with |q| = 1, scaled.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.unit: Unit | None = UNITS.get(scene.system)
-        self.in_floats = self.system(FLOAT_DIGITS)
+        self.in_floats = self.scene.body(FLOAT_DIGITS)
         weighted = self.unit is not None and self.unit.weighted
         self.weights = [Fraction(float(x)) for x in self.in_floats.system.constants] if weighted else []
         self.start(FLOAT_DIGITS)
@@ -66,12 +75,7 @@ class UnitMotion:
         """Whether the system is a body and (γ, M) ≠ 0."""
         return not self.scene.classical and self.along != 0
 
-    def system(self, digits: int) -> Any:
-        """The system in floats up to 15 digits, else over MP(digits)."""
-        return self.scene.body(digits)
-
     def scales(self, system: Any) -> Scales:
-        """The scales in the number type of a system."""
         if self.unit is None:
             return Scales(1, 1, 1)
         context = getattr(system.field, "context", None)
@@ -82,7 +86,7 @@ class UnitMotion:
 
     def start(self, digits: int) -> tuple[Any, State]:
         """The system and its start, scaled to unit length."""
-        system = self.system(digits)
+        system = self.scene.body(digits)
         number, scales = system.field.coerce, self.scales(system)
         q = tuple(number(float(x)) / scales.q for x in self.scene.gamma)
         p = tuple(number(float(x)) / scales.p for x in self.scene.M)
@@ -99,10 +103,10 @@ class UnitMotion:
         return [[*(x * scales.q for x in q), *(x * scales.p for x in p)] for q, p in pairs]
 
     def settled(self, times: Sequence[float], digits: int) -> tuple[Rows, Rows]:
-        """The rows of the second of two runs that agree to ``digits`` digits, and their radii.
+        """The states of the second of two runs that agree to ``digits`` digits, and estimates of their errors.
 
-        A radius is twice the largest difference in q, or in p, plus the rounding of the first run. The rounding is
-        added because two runs may agree by chance.
+        An estimate is twice the largest difference of the runs in q, or in p, plus the rounding of the first run, since
+        two runs may agree by chance.
         """
         first = max(digits + GUARD, LEAST)
         for _ in range(MOST_ATTEMPTS):
@@ -118,6 +122,60 @@ class UnitMotion:
             f"{first} digits; ask for fewer, or for nearer times"
         )
 
+    def enclosed(self, times: Sequence[float], digits: int) -> tuple[Rows, Rows]:
+        """Midpoints and proven radii by ball arithmetic; ``digits`` are relative to the sizes of q and p.
+
+        Raises ArgumentError where |q| ≠ 1 and p or t scale with |q|, since the scaled start and times are then not
+        exact.
+        """
+        from jacobian.numbers.long_reals import BallReals
+
+        scene, square, unit, system = self.scene, self.square, self.unit, self.scene.body(digits + EXACT)
+        if square != 1 and unit is not None and (unit.p or unit.time):
+            raise ArgumentError(
+                f"proven = True: the start of {scene.name} has a length 1 + {float(square - 1) / 2:.1e}, and balls "
+                "take length 1 only there; ask for an estimated radius"
+            )
+        K = system.field
+        q, p = (tuple(K.coerce(float(x)) for x in part) for part in (scene.gamma, scene.M))
+        flow = system.motion_through(State(q, p, tilted=self.tilted))
+        found = flow.enclosure([K.coerce(t) for t in times], digits + 1)
+        halves = (found.q, found.p) if scene.classical else (found.gamma, found.M)
+        rows, radii = [], []
+        with BallReals(K.context.prec) as reals:
+            size = (reals.number(square.numerator) / reals.number(square.denominator)).sqrt()
+            for first, second in zip(*halves, strict=True):
+                balls = [*(x * size for x in first), *second] if square != 1 else [*first, *second]
+                rows.append([_number(K.context, x.mid()) for x in balls])
+                # the midpoint is rounded
+                pairs = zip(balls, rows[-1], strict=True)
+                radii.append([_number(K.context, x.rad()) + 4 * abs(y) * K.context.eps for x, y in pairs])
+        return rows, radii
+
+    def another(self, rng: np.random.Generator) -> list[float]:
+        """A random start of about the same size in doubles, which satisfies the constraints exactly."""
+        q, p = ([float(x) for x in part] for part in (self.scene.gamma, self.scene.M))
+        unit = self.unit
+        if unit is None:
+            return [x * (1 + SPREAD * rng.uniform(-1, 1)) for x in (*q, *p)]
+        raw, push = ([int(x) for x in rng.integers(1, LARGEST, len(q)) * rng.choice((-1, 1), len(q))] for _ in "qp")
+        if unit.normal or not (self.scene.classical or self.along):
+            n = primitive(unit.dual(self.weights, [Fraction(x) for x in raw]))
+            push = [n[i - 2] * push[i - 1] - n[i - 1] * push[i - 2] for i in range(3)]
+        length = (unit.square(self.weights, raw) / self.square) ** -0.5
+        return [*_scaled(raw, float(length)), *_scaled(push, hypot(*p) / (hypot(*push) or 1.0))]
+
+
+def _number(context: Any, x: Any) -> Any:
+    """The centre of a ball of flint as an mpmath number."""
+    mantissa, exponent = x.man_exp()
+    return context.ldexp(context.mpf(int(mantissa)), int(exponent))
+
+
+def _scaled(values: Sequence[int], factor: float) -> list[float]:
+    """The integers ``values``, times the power of two closest to ``factor``."""
+    return [x * 2.0 ** round(np.log2(factor)) for x in values]
+
 
 def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
     half, found = len(fine) // 2, []
@@ -128,6 +186,6 @@ def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
 
 
 def _by_half(gaps: list[Any], row: list[Any]) -> list[tuple[Any, Any]]:
-    """For q and for p: the pair of a gap and the size of that half of ``row`` (its largest component, or 1 if 0)."""
+    """For q and for p: the gap, and the largest component of this half of ``row``, or 1 if that is 0."""
     half = len(row) // 2
     return [(gaps[i], max(map(abs, row[i : i + half])) or 1) for i in (0, half)]

@@ -15,7 +15,6 @@ from integrable.oracles.reference import body_equations
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.problems.arrays import Arrays, columns, stacked
 from integrable.problems.motion import UnitMotion
-from integrable.problems.starts import another
 from integrable.scene.data import Scene
 from integrable.scene.doubles import in_doubles
 from jacobian.element import Number, Numbers, Value
@@ -25,8 +24,8 @@ from jacobian.immutable import replaced
 __all__ = ["Problem", "Truth"]
 
 STEP = 1e-200
-"""The step of complex differences. They involve no subtraction, so any h whose square is 0 in doubles gives a
-derivative to rounding.
+"""The step h of complex differences Im f(x + ih)/h, which have no cancellation: if h² is 0 in doubles, they are right
+to rounding.
 """
 CONDITION_DIGITS = (FLOAT_DIGITS, 30)
 UNIT_ROUNDING = 2.0**-52
@@ -116,8 +115,8 @@ class Problem:
         return tuple(self._invariants(columns(self.y0)))
 
     def _invariants(self, y: list[Any]) -> dict[str, Any]:
-        """The values of the constraints, then the integrals of the motion that is scaled to |q| = 1."""
-        half, N, found = len(y) // 2, Arrays(), dict[str, Any]()
+        """The left sides of the constraints, such as |q|², and the integrals of the motion scaled to |q| = 1."""
+        half, found = len(y) // 2, dict[str, Any]()
         q, p = y[:half], y[half:]
         unit, system = self.motion.unit, self.motion.in_floats
         if unit is not None:
@@ -129,12 +128,8 @@ class Problem:
             size = np.sqrt(found[f"|{q_name}|²"])
             q, p = [x / size**unit.q for x in q], [x / size**unit.p for x in p]
         if not self.scene.classical:
-            turn = [m / (float(x) + float(system.d)) for x, m in zip(system.inertia, p, strict=True)]
-            rest = 1 - N.dot(
-                q, [float(system.d) * x / (float(e) + float(system.d)) for e, x in zip(system.inertia, q, strict=True)]
-            )
-            return found | {"H1": N.dot(p, turn) + float(system.d) * N.dot(q, turn) ** 2 / rest, "H2": N.dot(p, p)}
-        for name, value in system.system._integrals(N, Point(tuple(q), tuple(p))).items():
+            return found | dict(zip(("H1", "H2"), system.body.energies(q, p), strict=True))
+        for name, value in system.system._integrals(Arrays(), Point(tuple(q), tuple(p))).items():
             several = value if isinstance(value, tuple) else (value,)
             found |= {f"{name} {i}" if len(several) > 1 else name: x for i, x in enumerate(several)}
         return found
@@ -201,12 +196,7 @@ class Problem:
         digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (16: doubles)", 1)
         given = _times(t)
         times = given.ravel().tolist()
-        if proven:
-            from integrable.problems.balls import enclosed
-
-            rows, gaps = enclosed(self.motion, times, digits)
-        else:
-            rows, gaps = self.motion.settled(times, digits)
+        rows, gaps = (self.motion.enclosed if proven else self.motion.settled)(times, digits)
         exact, shape = np.array(rows, dtype=object), (*given.shape, len(self.y0))
         y = exact.astype(float) if digits <= FLOAT_DIGITS + 1 else exact
         radius = np.array(gaps, dtype=object) + (abs(exact - y) if y is not exact else 0)
@@ -224,7 +214,7 @@ class Problem:
 
     def another(self, rng: np.random.Generator) -> Problem:
         """The same equations with a random start of about the same size, which satisfies the constraints exactly."""
-        return self.starting(another(self.motion, rng))
+        return self.starting(self.motion.another(rng))
 
 
 def _times(t: Any) -> np.ndarray:

@@ -1,8 +1,8 @@
 """Walks of kinds of systems, from formulas that are recorded with symbolic constants and compiled once per machine.
 
-A kind is a class of systems together with its size and the values on which its formulas branch. The constants of a
-system are arguments of the compiled code. Compiling takes a tenth of a second, as long as some hundred walks. Compiled
-objects are stored with those of :mod:`jacobian.native`. They stay valid until the recorded formulas change.
+The systems of a kind have the same formulas, with other constants, which are arguments of the compiled code. Compiling
+takes a tenth of a second, as long as some hundred walks. Compiled objects are stored with those of
+:mod:`jacobian.native`. They stay valid until the recorded formulas change.
 """
 
 from __future__ import annotations
@@ -40,11 +40,8 @@ LOG = logging.getLogger(__name__)
 MODULES = [
     f"integrable.series.{name}" for name in ("room", "steps_text", "sums_text", "symbols", "tape", "text", "walk_text")
 ]
-ENTRIES = ("start", "series", "ratios", "advance", "dense")
 # alignment of memory in bytes, the length of a cache line
 LINE = 64
-
-
 Formula = Callable[[SymbolField, Sequence[Any]], Sequence[object]]
 Departure = tuple[Sequence[float], Sequence[float]]
 """The constants and the start of a motion."""
@@ -53,8 +50,8 @@ Departure = tuple[Sequence[float], Sequence[float]]
 class Formulas(NamedTuple):
     """The formulas of a kind over a field N: ``rates``(N, y) returns the derivatives of all variables y.
 
-    ``start``(N, y) returns all variables from the first ``shown`` ones. These are q, p and further parts, each of
-    ``half`` numbers.
+    ``start``(N, y) computes all ``variables`` from the first ``shown`` ones, which are q, p and any further parts, each
+    of ``half`` numbers.
     """
 
     rates: Formula
@@ -67,9 +64,9 @@ class Formulas(NamedTuple):
 class Near(NamedTuple):
     """The states at those times that were reached, of shape (N, parts, n): q, p and any further parts.
 
-    ``error`` estimates the largest error, relative to the largest component of q, or of p. ``places`` are the indices
-    of the times, None for all times in order. ``exhausted`` tells whether a walk was given up because it would have
-    taken too long; finer steps, each of which costs more, would not reach its times either.
+    ``places`` are the indices of these times, None for all times in order. ``error`` estimates the largest error,
+    relative to the largest component of q, or of p. ``exhausted``: a walk was given up because it would have taken too
+    long; finer steps, each of which costs more, would not reach its times either.
     """
 
     places: np.ndarray | None
@@ -82,7 +79,7 @@ class Near(NamedTuple):
         return self.places is not None and len(self.places) < count
 
     def among(self, order: np.ndarray) -> Near:
-        """The same states, at times with the indices ``order`` among more times."""
+        """The same states, if the times asked for are those with the indices ``order`` among more times."""
         return self._replace(places=order if self.places is None else order[self.places])
 
 
@@ -122,7 +119,7 @@ class Kind:
             found = kept.Object({}, MODULES, {}, code)
             if folder is not None:
                 kept.keep(folder, name, machine.name(), found)
-        return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
+        return Compiled(room, self.count, self.half, machine.loaded(found.code, Codes._fields))
 
     def walked(
         self,
@@ -132,16 +129,15 @@ class Kind:
         most: float,
         tolerance: float | None = None,
     ) -> Near:
-        """The states at those times that are reached within about ``most`` microseconds.
-
-        Where coarse steps miss the tolerance, states are computed again with steps accurate to the last bits of floats.
+        """The states at those times that are reached within about ``most`` microseconds, with coarser steps where an
+        error of ``tolerance`` is allowed.
         """
         return self._reached((constants, state), times, most, steps_for(tolerance))
 
     def finished(
         self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
     ) -> Near:
-        """Adds the states at the remaining times to ``near``, computed by finer steps with more guard digits."""
+        """``near`` and the states at the remaining times, by finer steps with more guard digits."""
         if near.places is None or not near.lacks(len(times)):
             return near
         left = np.setdiff1d(np.arange(len(times)), near.places)
@@ -150,7 +146,6 @@ class Kind:
 
     def _reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
         """The states at times of either sign, in any order, that the steps of ``plan`` reach."""
-        # times are mostly in the order of a walk
         found = self._in_order(given, times, most, plan)
         if found is not None:
             return found
@@ -165,7 +160,7 @@ class Kind:
     def _in_order(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
         """The states at times of one sign in ascending size; None for times in another order.
 
-        Each tier of ``plan`` is tried at the times that the tiers before it have lost.
+        Each tier of ``plan`` is tried at those times that the tiers before it have not reached.
         """
         parts, left = list[Near](), None
         for steps in plan:
@@ -187,17 +182,17 @@ class Kind:
         return self._joined(parts)
 
     def _joined(self, parts: Sequence[Near]) -> Near:
-        """The states of several walks together. Estimates of walks that have found no state are left out."""
+        """The states of several walks together. The errors of walks that have found no state do not count."""
         nothing = Near(np.empty(0, dtype=np.int64), np.empty((0, self.count // self.half, self.half)), 0.0)
         had = [part for part in parts if len(part.states)] or [nothing]
         places, states = (np.concatenate(x) for x in zip(*[part[:2] for part in had], strict=True))
         return Near(places, states, max(part.error for part in had), any(part.exhausted for part in parts))
 
 
-# the 64-bit words of a call. SHARED are those of all calls with the same steps: codes, tiers with their length, units
-# with their length, half, parts, order, highs, wide, spare, apart, lanes. WORKING are the addresses and lengths of the
-# working memory: constants, state, room, both and marks. CALL are the times, the states found, the first tier, and the
-# largest number of steps. BACK are the results
+# the arguments of the compiled :func:`integrable.series.walk.walked` in memory, as 64-bit words; an array is its
+# address and its length. SHARED are those of all calls with the same steps: Codes, the tiers, and a Layout. WORKING are
+# the constants, the state, room, both and marks. CALL are the times, the states found, the first tier, and the largest
+# number of steps. BACK are the results
 SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5qQqQq8q", "=" + "Qq" * 5, "=QqQqqd", "=qqqdqq"))
 ASKED = SHARED.size + WORKING.size
 RESULT = ASKED + CALL.size
@@ -207,8 +202,8 @@ from_buffer: Any = c_char.from_buffer
 
 
 class Working:
-    """The memory of a walk and its address, the binary format of its constants and state, and the position of its
-    marks. ``steps`` are those whose words the memory has; the words point to ``tiers``.
+    """The memory of a walk and its address ``base``, the binary format of its constants and state, and the position of
+    its marks. Its words SHARED are those for ``steps``; they point to ``tiers``.
     """
 
     steps: Steps | None = None
@@ -226,7 +221,7 @@ class Compiled:
 
         self._entries, self._count, self._shape = entries, count, (count // half, half)
         self.step_cost = step_cost(room.tape, room.orders)
-        self.codes = Codes(*(entries[name].address for name in ENTRIES))
+        self.codes = Codes(*(entries[name].address for name in Codes._fields))
         begin = -(-room.size // 8) * 8
         self.spare, self.size = room.lanes * begin, room.lanes * begin + (2 + 2 * count) * TIMES
         self.units = inverses(room.orders.order)
@@ -245,8 +240,8 @@ class Compiled:
         most: float,
         tier: int = 0,
     ) -> Reached:
-        """The states at times of one sign in ascending size that about ``most`` steps reach. Their bounds are the first
-        tier of ``steps`` that serves, from ``tier`` on. For times in another order the number reached is −1.
+        """The states at times of one sign in ascending size that about ``most`` steps reach, with the first tier of
+        ``steps`` that serves for the last time, from ``tier`` on. The number reached is −1 for times in another order.
         """
         count, found = len(times), np.empty((len(times), *self._shape))
         try:

@@ -17,8 +17,8 @@ from integrable.series.walk import FARTHEST, Many
 
 
 class NearMany(NamedTuple):
-    """The states of K motions at N times, shape (K, N, parts, n), and which of these were reached; the estimates of
-    their errors, and which motions are exhausted, as in :class:`integrable.series.kinds.Near`.
+    """The states of K motions at N times, shape (K, N, parts, n), and which of these were reached. ``errors`` and
+    ``exhausted`` are for each motion as in :class:`integrable.series.kinds.Near`.
     """
 
     states: np.ndarray
@@ -27,7 +27,6 @@ class NearMany(NamedTuple):
     exhausted: np.ndarray
 
     def of(self, member: int) -> Near:
-        """The states of one motion."""
         places = np.flatnonzero(self.reached[member])
         return Near(places, self.states[member, places], float(self.errors[member]), bool(self.exhausted[member]))
 
@@ -53,9 +52,9 @@ def walked_by_many(
 class _Walks:
     """The walks of K motions: one for each with times in order, else one for each direction of time.
 
-    Row r of all walks is the time ``columns``[r] of the walk ``walk_of``[r], that of the motion ``members``[walk]; the
-    rows that are not yet reached are ``left``. ``tiers`` are the bounds that each walk tries next, and ``over`` tells
-    which walks would take too long.
+    Row r of all walks is the state of walk w = ``walk_of``[r], of the motion ``members``[w], at the time number
+    ``columns``[r] of the motion; ``left`` are the rows that are not yet reached. ``tiers`` are the bounds that each
+    walk tries next, and ``over`` tells which walks would take too long.
     """
 
     def __init__(
@@ -65,10 +64,10 @@ class _Walks:
         count, length = times.shape
         order = np.argsort(np.abs(times), axis=1, kind="stable")
         ahead = np.where(times[:, -1:] < 0, -times, times)
-        # whether all times are in the order of a walk
+        # the motions whose times are in the order of one walk
         whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
         behind = np.take_along_axis(times < 0, order, axis=1) & ~whole[:, None]
-        # the walk of a motion and direction has the number 2·motion, or one more for times behind
+        # motion m has walk 2m, and walk 2m + 1 for its times < 0 if its times are not in the order of one walk
         number = (2 * np.arange(count)[:, None] + behind).ravel()
         rows = np.argsort(number, kind="stable")
         self.walk_of, self.columns = number[rows], order.ravel()[rows]
@@ -98,7 +97,7 @@ class _Walks:
         self.tiers[which] = tier + 1
         self.over[which] = exhausted(reached, count, lost, tier, steps)
         np.logical_or.at(found.exhausted, members, self.over[which])
-        # the estimates of walks that have found no state are left out
+        # the errors of walks that have found no state do not count
         had = np.add.reduceat(right, ends[:-1]) > 0
         np.maximum.at(found.errors, members[had], SPARE * np.minimum(gap[had], steps.tiers[0].agreed))
         return True

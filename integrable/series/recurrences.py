@@ -17,7 +17,7 @@ Reals = MutableSequence[Real]
 
 
 def convolved(series: Reals, p: int, q: int, begin: int, end: int, k: int) -> Real:
-    """The sum Σ p_j q_{k−j}, begin ≤ j < end, of the series that begin at p and q, as two partial sums in parallel."""
+    """Σ p_j q_{k−j}, begin ≤ j < end, for the series that begin at p and q, as two sums that are added in parallel."""
     nothing = 0 * series[p]
     a, b = nothing, nothing
     for j in range(begin, end - 1, 2):
@@ -29,7 +29,7 @@ def convolved(series: Reals, p: int, q: int, begin: int, end: int, k: int) -> Re
 
 
 def squared(series: Reals, p: int, begin: int, k: int) -> Real:
-    """The sum Σ p_j p_{k−j}, begin ≤ j ≤ k − begin, whose equal terms j and k − j are computed once."""
+    """Σ p_j p_{k−j}, begin ≤ j ≤ k − begin, where the equal terms j and k − j are computed once."""
     half = convolved(series, p, p, begin, (k + 1) // 2, k)
     if k % 2 == 1:
         return half + half

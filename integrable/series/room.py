@@ -1,7 +1,8 @@
 """The layout of a tape's coefficients in the memory of a compiled walk, and the products that share a vector.
 
-The products in a vector do not depend on each other, and their factors are stored side by side. Products here are those
-of the tape, and the sums over earlier coefficients in the recurrences of products, quotients and roots.
+The recurrences of products, quotients and roots have a sum Σ p_j q_{k−j} over earlier coefficients of two series. The
+sums of several nodes that do not depend on each other are computed in one vector, and their factors are stored side by
+side.
 """
 
 from __future__ import annotations
@@ -14,13 +15,11 @@ from jacobian.native.machine import features
 
 # number of floats in a vector register
 WIDEST = 8 if "+avx512f" in features() else 4
-# number of walks of a motion: the walk itself and the one that it is compared with
-WALKS = 2
-# largest number of variables of a motion in one vector
-ABREAST = 4
-# indices of vectors in a :class:`Room`: from RATIOS on, the coefficient ratios that determine the step; at BENT, the
-# size of the coefficients of orders 2 and 3; from STEP on, the steps; from UNITS on, unit/(k + 1), where unit is the
-# unit of time
+# a motion has WALKS walks, which are compared, and at most ABREAST of its variables share a vector
+WALKS, ABREAST = 2, 4
+# indices of vectors in a :class:`Room`: from RATIOS on, the ratios |coefficient|/(size of the variable) that determine
+# the step; at BENT, the size of the coefficients of orders 2 and 3; at STEP, the steps; from UNITS on, unit/(k + 1),
+# where unit is the unit of time
 RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
 # number of leading coefficients whose largest is taken as the size of a variable
 FIRST = 4
@@ -34,9 +33,9 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """The left or the right factors of a vector of products. ``place`` is the position of their coefficients in memory
-    and ``apart`` the distance between orders, in units of the vector's ``width``. ``shared`` is whether these are the
-    coefficients of the variables, which are stored anyway.
+    """The left or the right factors of the products in a vector of ``width`` numbers. In units of this width, ``place``
+    is the position of their coefficients in memory, and ``apart`` the distance between orders. ``shared``: these are
+    coefficients of variables, which are stored anyway.
     """
 
     factors: tuple[int, ...]
@@ -56,7 +55,7 @@ class Room:
         begin = self.lows_of_units + wide + 1
         self.factors = _factors(tape)
         packs, groups = _packed(tape, list(self.factors), min(4, WIDEST // WALKS))
-        # the grouping of sums does not depend on ``lanes``, so that results do not depend on it either
+        # sums are grouped in the same way for all ``lanes``, so that results do not depend on ``lanes``
         self.at_once = {n for nodes in packs if nodes in groups for n in nodes}
         most = max(1, WIDEST // lanes)
         self.members = {n: part for nodes in groups for part in _parts(nodes, most) for n in part}
@@ -66,7 +65,7 @@ class Room:
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
         self.apart = count + -count % self.abreast
-        # a loop over orders writes one more low part
+        # the loop over orders writes one low part beyond those of ``wide``
         begin = self.begin + (order + max(wide, 0) + 3) * self.apart
         # of constants, and of factors that are not variables, only the coefficient of order 0 is stored, as (hi, lo)
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
@@ -80,7 +79,7 @@ class Room:
         self.sides: dict[tuple[int, ...], list[Side]] = {}
         for nodes, width in self.packs.items():
             left, right = zip(*[self.factors[n] for n in nodes], strict=True)
-            # a group of squares has one side
+            # the left and right factors of squares are the same
             square = nodes[0] in self.members and is_square(tape, nodes[0])
             self.sides[nodes] = [self._placed(each, width) for each in ([left] if square else [left, right])]
         self.placed = tuple(self._sides.values())
@@ -133,12 +132,10 @@ def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
 
 
 def _parts(nodes: Sequence[int], most: int) -> list[tuple[int, ...]]:
-    """The nodes in groups of ``most``."""
     return [tuple(nodes[i : i + most]) for i in range(0, len(nodes), most)]
 
 
 def is_square(tape: Tape, n: int) -> bool:
-    """Whether a node is the square of another."""
     return tape.kinds[n] == PRODUCT and tape.left[n] == tape.right[n]
 
 
@@ -152,8 +149,8 @@ def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
 
 
 def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """The products of each vector, at most ``most``, and the groups among them. A vector that its group does not fill
-    also computes the sums over earlier coefficients of other products.
+    """(packs, groups): the nodes whose sums over earlier coefficients share a vector, at most ``most``, and the groups
+    of :func:`_abreast` with which packs begin. Other nodes fill the rest of a pack, unless it has squares.
     """
     groups, packs = _abreast(tape, most), []
     rest = [n for n in products if not any(n in nodes for nodes in groups)]

@@ -11,45 +11,47 @@ import numpy as np
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 from integrable.series.walk import MOST_LOST, Bounds
+from jacobian.numbers.double_double import double_double_row
 
-# a step of a system costs (FIXED + its number of products)/STANDARD times as much as a step of a geodesic of the
-# ellipsoid in space, which has STANDARD − FIXED products
+# a step with p products costs (FIXED + p)/STANDARD as much as one of a geodesic on an ellipsoid in R³, where p is
+# STANDARD − FIXED
 FIXED, STANDARD = 3, 13
-# the microseconds of a step of this geodesic: per order, per square of the order, and in addition per order in
-# double-doubles
+# a step of this geodesic takes PER_ORDER·n + PER_SQUARE·n² microseconds for series of order n, and PER_WIDE_ORDER more
+# for each order in double-doubles
 PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
 class Steps(NamedTuple):
-    """The orders of a walk's series, and bounds on their terms, to be tried in turn; each takes more steps than those
-    before it.
+    """The orders of a walk's series, and bounds on their terms, to be tried in turn; each leads to more steps than the
+    one before.
     """
 
     orders: Orders
     tiers: tuple[Bounds, ...]
 
 
-# FINE and FINEST are accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since
-# terms in floats cause nearly as large an error in the finer walk
+# FINE and FINEST give states right to the last bits of floats. Their two walks may differ by an eighth of the rounding
+# unit, because errors of terms in floats are nearly as large in the finer walk as in the coarser one
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE = Steps(WIDE, (Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56),))
 FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
-# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are for times of at most 64 and 600 first steps. Their second
-# walk has bounds 3 times as large: at 10 times the walks of the scene ``hat`` disagreed within 36 steps of BRIEF. In
-# 900 motions rows on which both walks agree were right to a tenth of the rounding unit
+# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they serve for times of at most 64 and 600 first steps. Their second
+# walk has bounds 3 times as large: with 10 times the walks of the scene ``hat`` disagreed within 36 steps of BRIEF. In
+# 900 motions the states on which both walks agreed were right to a tenth of the rounding unit
 # (tests/integrable/series/test_walks.py has some of them)
 BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
 ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
 IN_TURN = Steps(WIDE, (BRIEF, ROUGH, *FINE.tiers))
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
-# SHARE (steps in floats) and SHARE_OF_MIDDLE (steps whose first terms are double-doubles) bound truncation errors in
-# units of a tolerance. ROUNDED_IN_MIDDLE bounds the first float term of the latter steps. COARSER multiplies the bounds
-# of the second walk. The error is estimated as SPARE times the difference of the walks: of 3,600 walks of eccentric
-# orbits in a galaxy 6 had more than twice this error, and with COARSER = 3 there were 22
+# The last terms of series are at most SHARE of the tolerance for PLAIN steps, in floats, and SHARE_OF_MIDDLE of it for
+# MIDDLE steps, whose first terms are double-doubles; the first float term of the latter is at most ROUNDED_IN_MIDDLE.
+# These bounds are COARSER times as large in the second walk. The error is estimated as SPARE times the difference of
+# the walks: of 3,600 walks of eccentric orbits in a galaxy 6 had more than twice this error, with COARSER = 3 there
+# were 22
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 3.5
-# for a tolerance of 1e-12, steps in floats are tried at times of at most this many first steps: Neumann's point misses
-# it by 600 of them, the Toda lattice has lost 1e-13 after 480 (python -m benchmarks near). Their rounding errors grow
-# as the 3/2 power of the number of steps
+# PLAIN steps are tried for times of at most FARTHEST_IN_FLOATS first steps at a tolerance of 1e-12: Neumann's point has
+# a larger error after 600 of them, the Toda lattice an error of 1e-13 after 480 (python -m benchmarks near). Rounding
+# errors grow as the 3/2 power of the number of steps
 FARTHEST_IN_FLOATS = 500.0
 
 
@@ -67,11 +69,11 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
 
 
 class Reached(NamedTuple):
-    """The number of times reached (−1 if they are not in order), the states there, and which rows are ``wrong``.
+    """The number of times reached (−1 if they are not in order), the states there, and which of these are ``wrong``.
 
-    ``wrong`` is None if no row is. ``lost`` is the number of comparisons that failed or predict that the last will.
-    ``gap`` is the largest difference of the two walks relative to q or p, ``steps`` the number of steps, ``tier`` the
-    index of the bounds.
+    ``wrong`` is None if no state is. ``lost`` is the number of comparisons of both walks that failed or predict that
+    the last one will fail. ``gap`` is the largest difference of the walks relative to q or p, ``steps`` the number of
+    steps, ``tier`` the index of the bounds.
     """
 
     reached: int
@@ -84,7 +86,7 @@ class Reached(NamedTuple):
 
     @property
     def right(self) -> np.ndarray:
-        """The indices of the rows that were reached and are not wrong."""
+        """The indices of the states that were reached and are not wrong."""
         return np.arange(self.reached) if self.wrong is None else np.flatnonzero(~self.wrong)
 
 
@@ -99,7 +101,7 @@ def exhausted(reached: Counts, count: Counts, lost: Counts, tier: Counts, steps:
 
 class ReachedByMany(NamedTuple):
     """The results of K walks. ``results`` has for each walk the numbers that
-    :func:`integrable.series.walk.walked` returns. ``states`` are those at all times; ``wrong`` marks the wrong rows.
+    :func:`integrable.series.walk.walked` returns. ``states`` are those at all times; ``wrong`` marks the wrong ones.
     """
 
     results: np.ndarray
@@ -108,7 +110,7 @@ class ReachedByMany(NamedTuple):
 
 
 def step_cost(tape: Tape, orders: Orders) -> float:
-    """The approximate time of a step in microseconds, as measured by ``python -m benchmarks near``."""
+    """The approximate time of a step in microseconds (``python -m benchmarks near``)."""
     wide, order = orders
     products = sum(kind in (PRODUCT, QUOTIENT, ROOT) for kind in tape.kinds)
     standard = PER_SQUARE * order**2 + PER_ORDER * order + PER_WIDE_ORDER * (wide + 1)
@@ -117,5 +119,4 @@ def step_cost(tape: Tape, orders: Orders) -> float:
 
 def inverses(order: int) -> np.ndarray:
     """The reciprocals 1/(k + 1), k < ``order``, as one flat array of pairs (hi, lo)."""
-    exact = [Fraction(1, k + 1) for k in range(order)]
-    return np.array([[float(x), float(x - Fraction(float(x)))] for x in exact]).reshape(-1)
+    return double_double_row(Fraction(1, k + 1) for k in range(order)).reshape(-1)

@@ -2,9 +2,9 @@
 
 Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks of
 :mod:`integrable.series.walk` are lanes of one vector. Recent values stay in registers, and products of them are added
-last, because all other terms of the sum are known one order earlier. Low orders are straight-line code. Higher ones are
-a loop over rounds of AT_ONCE orders, and the double-doubles of large tapes are a loop over orders. Straight-line code
-would exceed the processor's instruction cache, and fetching it would take most of the time.
+last, because all other terms of the sum are known one order earlier. The code for low orders has no loop. Higher orders
+are a loop whose rounds compute AT_ONCE orders each. The orders in double-doubles of a large tape are a loop too.
+Without loops the code would exceed the processor's instruction cache, and fetching it would take most of the time.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, ROOT
 from integrable.series.text import Text, Wide
 from jacobian.numbers.double_double_steps import quotient, reciprocal, square_root
 
-# number of lines in a block: LLVM's compile time for a block grows with the square of its length
+# lines of a basic block: LLVM's compile time for a block grows with the square of its length
 BLOCK = 150
 
 
@@ -67,7 +67,6 @@ class Series(Sums):
         self._put_variables(k + 1)
 
     def _rounds(self, loop: Loop) -> None:
-        """Writes the loop over orders."""
         lines, name = self.text.lines, f"orders{loop.begin}"
         following = f"%{name}_next"
         lines += [f"  br label %{name}_begin", f"{name}_begin:", f"  br label %{name}", f"{name}:"]
@@ -78,7 +77,7 @@ class Series(Sums):
         lines += [f"  br label %{name}_again", f"{name}_again:", f"  {following} = add i64 {done}, {loop.at_once}"]
         more = self.text.write(f"icmp slt i64 {following}, {loop.end - loop.begin}")
         lines += [f"  br i1 {more}, label %{name}, label %{name}_end", f"{name}_end:"]
-        self._end_rounds()
+        self._recent, self._built, self._moving, self._before = {}, {}, {}, {}
 
     def _end_of_block(self) -> None:
         lines = self.text.lines
@@ -135,7 +134,7 @@ class Series(Sums):
         return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
 
     def _divisor(self, n: int, k: int) -> Wide:
-        """The reciprocal of d_0 for a quotient with the divisor d, and of 2r_0 for a root r."""
+        """1/d_0 for a quotient by d, and 1/(2r_0) for a root r, by which the recurrences of node n multiply."""
         if n not in self._divisors:
             place = self.room.inverses[n]
             self._divisors[n] = self.text.load(place), self.text.load(place + 1) if k <= self.wide else ""
@@ -155,7 +154,7 @@ class Series(Sums):
         base = self._base(k, 1)
         unit = self.text.load(UNITS + k, base)
         if k + 1 > self.wide:
-            # the parts of a sum with cancellation overlap, so that the high part alone has too few digits
+            # after cancellation both parts overlap, and the high part alone has too few digits
             return self.text.fmul(self.text.fadd(*rate) if rate[1] else rate[0], unit), ""
         if (k + 1) & k == 0 and base == "%s":
             # k + 1 is a power of two, so that unit/(k + 1) has no low part
@@ -163,8 +162,8 @@ class Series(Sums):
         return self.text.wide_product(rate, (unit, self.text.load(self.room.lows_of_units + k, base)))
 
     def ratios(self) -> str:
-        """The LLVM function that stores five maxima over the variables. Four are of |coefficient|/(size of the
-        variable), at the last two orders and at the first two orders in floats; the fifth is of coefficients 2 and 3.
+        """The LLVM function that stores five maxima over the variables: of |coefficient|/(size of the variable) at the
+        last two orders and at the first two orders in floats, and of the coefficients of orders 2 and 3.
         """
         self.text = Text(self.room.lanes)
         last, several = self.order, self.room.chunks(self._shown)

@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
-The sums of several nodes form one vector, and their factors are stored side by side. In straight-line code a sum has
-all its terms. In a loop over rounds of orders, a smaller loop adds the terms of earlier rounds to the sums of all
-orders of a round.
+The sums of several nodes form one vector, and their factors are stored side by side. Straight-line code has all terms
+of a sum. A loop over orders computes AT_ONCE orders in a round: an inner loop first sums the terms of all these orders
+whose two factors belong to earlier rounds.
 """
 
 from __future__ import annotations
@@ -17,13 +17,12 @@ from jacobian.numbers.double_double_steps import fast_two_sum
 
 # number of orders in a round of the loop: a factor is loaded once for all of them
 AT_ONCE = 4
-# if at least this many orders are in double-doubles, sums are renormalized at once, which takes a tenth of the time of
-# a step. Such steps are used only where steps with fewer orders in double-doubles lose too many digits (a body of
-# Veselova's with a moment of 5e-10)
+# if at least this many orders are in double-doubles, sums of two coefficients are renormalized at once, which takes a
+# tenth of the time of a step. Such steps are used only where steps with fewer orders in double-doubles lose too many
+# digits (a body of Veselova's with a moment of 5e-10)
 CAREFUL = 10
-# the orders in double-doubles are computed by a loop if straight-line code would have more operations than this, which
-# take about 15 KB, half of an instruction cache. Straight-line code of fewer operations is faster than a loop (python
-# -m benchmarks near)
+# the orders in double-doubles are computed by a loop if straight-line code would have more than LONGEST operations,
+# about 15 KB, half of an instruction cache; shorter code is faster than a loop (python -m benchmarks near)
 LONGEST = 200
 Term = tuple[int, int, int]
 """(factor, j, k − j), for the term factor·p_j q_{k−j}."""
@@ -32,7 +31,7 @@ Factor = tuple[str, Side, int]
 
 
 class Loop(NamedTuple):
-    """The orders from ``begin`` to ``end``, without ``end``, as rounds of ``at_once`` orders."""
+    """A loop over the orders ``begin`` … ``end`` − 1, of which a round computes ``at_once``."""
 
     begin: int
     end: int
@@ -52,16 +51,14 @@ class Sums:
         in_floats = Loop(low + (self.order - low) % AT_ONCE, self.order, AT_ONCE)
         self.loops = Loop(first, self.wide + 1, 1), in_floats
         self._loop = self.loops[0]
-        # ``_recent`` has the registers of coefficients by (node, order, part), ``_built`` those of vectors by (place,
-        # order, part)
+        # the registers of coefficients by (node, order, part), and of vectors of coefficients by (place, order, part)
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
+        # the sums over 0 < j < k of the current order k, by the nodes of a vector
         self._sums: dict[tuple[int, ...], Wide] = {}
-        # within the loop, ``_before`` has the sums of a vector of products over earlier rounds, one for each order of
-        # the round
+        # in a loop: for each vector and order of the round, the sum of the terms whose factors are from earlier rounds
         self._before: dict[tuple[int, ...], list[Wide]] = {}
-        # within the loop, ``_moving`` has pointers that advance with the order, each under its stride: the number of
-        # vectors from one order to the next
+        # in a loop: by stride, the number of vectors from one order to the next, a pointer that advances with the order
         self._moving: dict[int, str] = {}
 
     def _begin_round(self, loop: Loop, done: str) -> None:
@@ -69,13 +66,10 @@ class Sums:
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
-        # the values in registers are those of the previous round
+        # registers hold values of the previous round
         self._recent, self._built = {}, {}
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
-
-    def _end_rounds(self) -> None:
-        self._recent, self._built, self._moving, self._before = {}, {}, {}, {}
 
     def _further(self, base: str, count: str, stride: int) -> str:
         """The pointer ``base`` moved by ``count``·``stride`` floats."""
@@ -99,7 +93,7 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        # where sums cancel, their parts overlap, and products of them would have only float accuracy
+        # after cancellation in a sum its parts overlap, and products of it would have only float accuracy
         cancels = self.wide >= CAREFUL and self.tape.kinds[n] in (SUM, DIFFERENCE)
         if x[1] and (k == 0 or cancels):
             x = fast_two_sum(self.text, *x)
@@ -110,7 +104,6 @@ class Sums:
                     self.text.store(y, self.room.low(n, k) if part else self.room.high(n, k))
 
     def _put_variables(self, k: int) -> None:
-        """Stores coefficients k of all variables."""
         for first, width in self.room.chunks(self.room.count):
             text = Text(self.room.lanes * width, self.text)
             for part, y in enumerate(self._together(text, range(first, first + width), k)):
@@ -127,13 +120,13 @@ class Sums:
         if k > self.wide:
             return high, ""
         low = self._joined(text, [self._lo(n, k) for n in nodes])
-        # only high parts enter the float coefficients of higher orders: without renormalization they would be
-        # inaccurate after cancellation
+        # float coefficients of higher orders use only the high parts, which are inaccurate after cancellation unless
+        # they are renormalized
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of the factors of products, as vectors: of the sides that consist of variables if
-        ``of_variables``, else of all other sides.
+        """Stores coefficients k of the sides of vectors: of those that consist of variables if ``of_variables``, else
+        of all others.
         """
         for side in self.room.placed:
             if of_variables != (max(side.factors) < self.room.count):
@@ -157,7 +150,7 @@ class Sums:
         p, q = self.room.factors[n]
         before = self._sum_of_earlier(n, k)
         terms = [term for term in _terms(p == q, begin, end, k) if not all(term[1:])]
-        # the term whose coefficient is computed last comes last
+        # the term with the factor that is computed later comes last
         terms.sort(key=lambda term: p if term[1] else q)
         pairs = _pairs(terms, lambda side, order: self._value((p, q)[side], order))
         if before and not before[1]:
@@ -166,7 +159,7 @@ class Sums:
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
-        """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, computed in one vector with those of other nodes."""
+        """Σ p_j q_{k−j} over 0 < j < k, for the factors of a node, taken from the vector with this sum."""
         nodes = self.room.pack_of[n]
         found = self._sums_of_earlier(nodes, k)
         return found and self._apart(self._vector(nodes), nodes, found)[n]
@@ -247,8 +240,8 @@ class Sums:
         text, sides, begin = self._vector(nodes), self.room.sides[nodes], self._loop.begin
         left, right, square = sides[0], sides[-1], len(sides) == 1
         at_once, last = (AT_ONCE // 2, (begin - 1) // 2) if square else (AT_ONCE, begin - 1)
-        # terms with j ≤ ``first`` are added after the loop: they include the newest, and leave a multiple of
-        # ``at_once`` terms to the loop
+        # the first terms, j ≤ ``first``, are added after the loop, because their right factors are the newest; they
+        # leave a multiple of ``at_once`` terms to it
         first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
         sums = [text.real(0.0)] * AT_ONCE
         if square:
@@ -296,9 +289,9 @@ class Sums:
         return side.width * side.apart * self.room.lanes
 
     def _middles(self, text: Text, side: Side, base: str, last: int) -> list[str]:
-        """For each order k of a round, Σ p_j p_{k−j} over the j between ``last`` and k − ``last``.
+        """For each order k of a round, the middle terms of the square: Σ p_j p_{k−j} over ``last`` < j < k − ``last``.
 
-        The pointer ``base`` advances half as fast as the order.
+        The pointer ``base`` advances half as fast as the order, as j and k − j ≈ ½k do.
         """
         sums = []
         for k in range(self._loop.begin, self._loop.begin + AT_ONCE):
@@ -310,8 +303,8 @@ class Sums:
         return sums
 
     def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
-        """Adds the products of one left factor with consecutive right ones, doubled if ``twice``, to the first
-        ``count`` sums.
+        """Adds to ``sums``[m], m < ``count``, the product of the left factor with the right factor m orders on, doubled
+        if ``twice``.
         """
         (up, side, j), (down, other, i) = left, right
         x = text.load(self._place(side, j, 0), up)
@@ -347,7 +340,7 @@ class Sums:
         """Coefficients k of the factors on one side of a group, as one vector."""
         key = side.place, k, part
         if key not in self._built:
-            # coefficients of the order that is being computed are in registers, except those of order 0 of variables
+            # coefficients of the current order are in registers, except those of order 0 of variables
             if any((n, k, part) in self._recent for n in side.factors):
                 parts = [self._lo(n, k) if part else self._hi(n, k) for n in side.factors]
                 self._built[key] = self._joined(text, parts)
@@ -374,7 +367,7 @@ def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tup
 
 
 def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
-    """``before`` + Σ factor·x·y, where the last pair is added last; the other terms of factor 2 are summed separately,
+    """``before`` + Σ f·x·y over the ``pairs``, of which the last is added last. The others with f = 2 are summed first,
     and their sum is doubled.
     """
     last = pairs[-1:] if wide else []
@@ -407,7 +400,7 @@ def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | No
 
 
 def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]], before: str) -> str:
-    """``before`` + Σ x·y in floats, as two partial sums that run in parallel."""
+    """``before`` + Σ x·y in floats, as two sums that are added in parallel."""
     sums: list[str] = [before] if before else []
     for i, ((x, _), (y, _)) in enumerate(pairs):
         if len(sums) < min(2, max(1, len(pairs) // 2)):

@@ -21,7 +21,7 @@ class Symbol(Operand):
     key: Key
 
     def __repr__(self) -> str:
-        # this text is the same in every process, because names of objects on disk derive from it
+        # the names of compiled objects on disk derive from this text, so it is the same in every process
         return repr(self.key)
 
     @staticmethod
@@ -38,7 +38,6 @@ class Symbol(Operand):
 
 
 def key_of(x: Any) -> Key:
-    """The key of a symbol or of a number."""
     return x.key if isinstance(x, Symbol) else ("number", float(x))
 
 
@@ -64,9 +63,6 @@ class SymbolField(InexactField):
         return root
 
     class context:
-        """Functions of recorded numbers other than the four operations and roots."""
-
         @staticmethod
         def expm1(x: Recorded) -> Recorded:
-            """e^x − 1."""
             return x.function(GROWTH)

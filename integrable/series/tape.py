@@ -92,7 +92,7 @@ class _Recorder:
 
 
 def _known_by(constant: object) -> object:
-    """The key of a constant. Equal constants share one, except balls: equal balls may stand for different numbers."""
+    """Equal constants share a node, except balls: equal balls may stand for different numbers."""
     try:
         hash(constant)
     except ValueError:
@@ -100,16 +100,18 @@ def _known_by(constant: object) -> object:
     return constant
 
 
-_OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {SUM: add, DIFFERENCE: sub, PRODUCT: mul, QUOTIENT: truediv}
+OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {
+    SUM: add, DIFFERENCE: sub, MULTIPLE: mul, PRODUCT: mul, QUOTIENT: truediv,
+}  # fmt: skip
 
 
 class Operand:
-    """The arithmetic operators of a number, all defined by the method :meth:`operation` of a subclass."""
+    """A number whose operators all call :meth:`operation`, which a subclass defines."""
 
     __slots__ = ()
 
     def operation(self, kind: int, x: object, y: object) -> Self:
-        """The number that an operation on x and y returns; x or y is ``self``."""
+        """The result of the operation ``kind`` on x and y, one of which is ``self``."""
         raise NotImplementedError
 
     def __add__(self, other: object) -> Self:
@@ -151,10 +153,10 @@ class Recorded(Operand):
         recorder = self._recorder
         x, y = recorder.lifted(left), recorder.lifted(right)
         p, q = x.constant, y.constant
-        # with an integer q, 1/q would become a float
+        # in a division by an int, the reciprocal would become a float
         folded = kind != QUOTIENT or not isinstance(q, int)
         if p is not None and q is not None and folded:
-            return recorder.lifted(_OPERATIONS[kind](p, q))
+            return recorder.lifted(OPERATIONS[kind](p, q))
         if kind == QUOTIENT and q is not None and folded:
             return self.operation(PRODUCT, truediv(1, q), x)
         if kind == PRODUCT:
@@ -174,7 +176,7 @@ class Recorded(Operand):
 
     @property
     def constant(self) -> object:
-        """The value if this is a constant, otherwise None."""
+        """The value of a constant, otherwise None."""
         recorder = self._recorder
         return recorder.constants[self.index] if recorder.nodes[self.index][0] == CONSTANT else None
 

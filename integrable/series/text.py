@@ -46,7 +46,7 @@ class Text(Code):
         return self.intrinsic("fabs", x)
 
     def spread(self, x: str) -> str:
-        """The float x copied to all lanes."""
+        """The scalar x in all lanes."""
         return x if self.lanes == 1 else self.gathered([x] * self.lanes)
 
     def gathered(self, parts: Sequence[str]) -> str:
@@ -56,7 +56,8 @@ class Text(Code):
             found = self.write(f"insertelement {self.types.double} {found}, double {part}, i32 {lane}")
         return found
 
-    # --- double-doubles, as sums whose parts may overlap; the low part that is computed last is added last
+    # --- double-doubles, as sums whose parts may overlap. An operand that becomes available late is used last, so that
+    # most of the work is done before
 
     def wide_negative(self, x: Wide) -> Wide:
         return self.fneg(x[0]), self.fneg(x[1]) if x[1] else ""

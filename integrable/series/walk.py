@@ -1,9 +1,9 @@
 """A walk along Taylor series, with straight-line code compiled for the kind of system (:mod:`integrable.series.kinds`).
 
-The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). Two walks run together as lanes of one
-vector. The second walk takes its own coarser steps, from a start changed by about a rounding unit; its first step is
-short and backwards. The difference of the walks estimates the error of a row. A wider vector holds the walks of several
-motions, which do not affect each other.
+The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). A row is the state at one of the times
+asked for. Two walks run together as lanes of one vector. The second walk takes its own longer steps, from a start
+changed by about a rounding unit; its first step is short and backwards. The difference of the walks estimates the error
+of a row. A wider vector holds the walks of several motions, which do not affect each other.
 """
 
 from __future__ import annotations
@@ -18,17 +18,15 @@ from integrable.series.walk_text import TIMES
 if TYPE_CHECKING:
     from numpy import ndarray as Array
 
-__all__ = ["WRONG", "Bounds", "Codes", "Given", "Layout", "Many", "Outputs", "Slots", "walked", "walked_abreast"]
-
+# larger than any time
 FARTHEST = 1e300
-# fraction of its first step that the second walk goes back: with the same expansion point both walks would have the
+# fraction of its first step that the second walk goes back: from the same expansion point both walks would have the
 # same terms in floats, with the same errors
 BACK = 0.25
-# steps are multiples of this, in the walk's unit of time, so that sums of steps are exact up to 2^53 multiples
-GRAIN = 2.0**-36
-MOST_UNITS = 2.0**16
-# a coefficient is the rounding error of a zero if that of the next order is more than this multiple of the geometric
-# mean of it and of the one two orders on
+# steps are multiples of GRAIN in the walk's unit of time, so that their sums, up to MOST_UNITS, are exact
+GRAIN, MOST_UNITS = 2.0**-36, 2.0**16
+# coefficients of order k and k + 2 give a time scale only if that of order k + 1 is at most NOISE times their geometric
+# mean: otherwise one of them is the rounding error of a zero
 NOISE = 2.0**30
 # if the unit of time is between LEAST_UNIT and 1/LEAST_UNIT, no coefficient in the unit 1 leaves the range of floats
 LEAST_UNIT = 2.0**-8
@@ -38,9 +36,11 @@ UNEVEN, KNOWN, EVEN = 4, 64, 1.25
 # a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong, or if it is later than 1/KNOWN_FROM of
 # the last time and predicts a difference in the last row above HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
-# APART is the time between compared rows in units of the present step; the others are values of marks
-APART, UNVISITED, COMPARED, WRONG = 1.0, -1.0, 1.0, 2.0
-# the numbers of numbers in Bounds, in the result of a walk, and of integers in a Course
+# compared rows are about APART steps apart
+APART = 1.0
+# marks of rows
+UNVISITED, COMPARED, WRONG = -1.0, 1.0, 2.0
+# how many numbers Bounds and the result of a walk have, and how many integers a Course
 BOUNDS, RESULTS, COUNTS = 6, 6, 9
 
 
@@ -71,11 +71,11 @@ class Bounds(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """The reciprocals 1/(k + 1) as pairs (hi, lo), and the memory's layout.
+    """The reciprocals 1/(k + 1) as pairs (hi, lo), and the layout of the memory of a walk.
 
     The variables are ``parts`` parts (q, p and any others) of ``half`` numbers each. Coefficients begin at ``highs``;
-    consecutive orders are ``apart`` vectors of ``lanes`` floats apart. Distances and the states at them begin at
-    ``spare``, TIMES floats of each.
+    those of consecutive orders are ``apart`` vectors of ``lanes`` floats apart. At ``spare`` begins the memory for
+    TIMES times and the states at them: the distances from the expansion point, then the variables.
     """
 
     units: Array
@@ -97,10 +97,11 @@ class Given(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """The states of both walks at the times that are compared, the output times, and the states ``found`` at them.
+    """The times asked for, and the states ``found`` at them.
 
-    ``both`` has a row of high and low parts for each walk and time. ``marks`` is UNVISITED for rows that no walk has
-    reached, WRONG for wrong rows, COMPARED for compared rows that are right, and 0 for all others.
+    ``both`` has the states of both walks in the rows that are compared, as high and low parts. ``marks`` is UNVISITED
+    for rows that no walk has reached, WRONG for wrong rows, COMPARED for compared rows that are right, 0 for all
+    others.
     """
 
     both: Array
@@ -125,7 +126,7 @@ class Compared(NamedTuple):
 
 
 class Place(NamedTuple):
-    """The lane of a walk, its time, the step that its series allow, and its next row."""
+    """The lane of a walk, its time, the step that its series allow, and the first row that it has not written."""
 
     lane: int
     now: float
@@ -180,9 +181,10 @@ def walked(
     """The number of times reached, how many comparisons failed, how many rows were lost, the largest difference, the
     number of steps, and the index of the bounds.
 
-    ``tiers`` are :class:`Bounds` one after the other, of which the first that serve are taken, from the index ``tier``
-    on. ``most`` is the largest number of steps, by estimate. The difference is that of the two walks, relative to the
-    largest component of q, or of p. Times must be of one sign and ascend in size; otherwise the first number is −1.
+    ``tiers`` are :class:`Bounds` one after the other; the first that serve for the last time are taken, from the index
+    ``tier`` on. A walk that is estimated to need more than ``most`` steps is given up. The difference is that of the
+    two walks, relative to the largest component of q, or of p. Times must be of one sign and ascend in size; otherwise
+    the first number is −1.
     """
     course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
     goes = course.limit > 0
@@ -212,7 +214,8 @@ def walked_abreast(
                 put_result(found, member, course)
             while following < len(many.most) and not goes:
                 member, following = following, following + 1
-                own, given = of_member(layout, many, member, slot, outputs), given_of(layout, many, member)
+                own, width = of_member(layout, many, member, slot, outputs), layout.parts * layout.half
+                given = Given(many.constants, many.states[member * width : (member + 1) * width])
                 course = begun(codes, tiers, layout, given, room, lane, own, many.tiers[member])
                 if course.limit > 0:
                     bounds = bounds_of(tiers, course.tier)
@@ -226,15 +229,8 @@ def walked_abreast(
 
 
 def bounds_of(tiers: Array, tier: int) -> Bounds:
-    """The bounds with this index."""
     x = tiers[BOUNDS * tier : BOUNDS * tier + BOUNDS]
     return Bounds(x[0], x[1], x[2], x[3], x[4], x[5])
-
-
-def given_of(layout: Layout, many: Many, member: int) -> Given:
-    """The constants and the state of a motion."""
-    width = layout.parts * layout.half
-    return Given(many.constants, many.states[member * width : (member + 1) * width])
 
 
 def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outputs) -> Outputs:
@@ -247,7 +243,6 @@ def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outpu
 
 
 def put_result(found: Array, member: int, course: Course) -> None:
-    """Writes the result of a motion."""
     row, seen = found[RESULTS * member : RESULTS * member + RESULTS], course.seen
     row[0], row[1], row[2], row[3], row[4], row[5] = (
         seen.rows, seen.wrong, seen.lost, seen.gap, course.steps, course.tier,
@@ -255,13 +250,11 @@ def put_result(found: Array, member: int, course: Course) -> None:
 
 
 def course_in(slots: Slots, slot: int) -> Course:
-    """The progress of the motion in a slot."""
     n, x = slots.counts[COUNTS * slot : COUNTS * slot + COUNTS], slots.floats[4 * slot : 4 * slot + 4]
     return Course(x[0], n[8], n[0], n[1], x[1], n[2], x[2], n[3], Compared(n[4], n[5], n[6], n[7], x[3]))
 
 
 def put_course(slots: Slots, slot: int, course: Course) -> None:
-    """Stores the progress of the motion in a slot."""
     n, x, seen = (
         slots.counts[COUNTS * slot : COUNTS * slot + COUNTS],
         slots.floats[4 * slot : 4 * slot + 4],
@@ -275,15 +268,18 @@ def put_course(slots: Slots, slot: int, course: Course) -> None:
 def begun(
     codes: Codes, tiers: Array, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs, tier: int
 ) -> Course:
-    """The progress of a motion whose walks begin in this lane; no row is to be reached if the walks do not begin, which
-    is so if the times are not in order or if no bounds serve.
+    """Begins the walks of a motion in this lane. If the times are not in order or no bounds serve for the last one, the
+    walks do not begin: no row is to be reached.
     """
     times, unit, limit, rows = outputs.times, 1.0, 0, 0
     if in_order(times):
         start(codes.start, given.constants, given.state, room, lane)
         unit = unit_of(codes, layout, room, lane)
         last = abs(times[len(times) - 1]) / unit
-        while BOUNDS * tier < len(tiers) and not serves(bounds_of(tiers, tier), layout, room, lane, last):
+        while BOUNDS * tier < len(tiers):
+            bounds = bounds_of(tiers, tier)
+            if last <= bounds.farthest * reach(bounds, layout, room, lane):
+                break
             tier += 1
         if BOUNDS * tier < len(tiers):
             limit = len(times)
@@ -292,11 +288,6 @@ def begun(
     else:
         rows = -1
     return Course(unit, tier, limit, 0, 0.0, 0, 0.0, 0, Compared(rows, 0, 0, 0, 0.0))
-
-
-def serves(bounds: Bounds, layout: Layout, room: Array, lane: int, last: float) -> bool:
-    """Whether the last time is within ``farthest`` first steps."""
-    return last <= bounds.farthest * reach(bounds, layout, room, lane)
 
 
 def onward(
@@ -317,7 +308,7 @@ def onward(
         limit = behind
     seen = compared(layout, bounds.agreed, seen, min(done, behind, limit), outputs)
     if seen.lost > MOST_LOST:
-        # later rows may agree by chance
+        # rows after the first lost one may agree by chance, so they are dropped
         seen, limit = Compared(seen.first, 0, seen.lost, seen.first, seen.gap), 0
     to_first = ahead * first if done < limit else 0.0
     to_second = (-ahead if steps == 0 else ahead) * second if behind < limit else 0.0
@@ -328,7 +319,7 @@ def onward(
 
 
 def all_moved(codes: Codes, room: Array) -> None:
-    """Advances all walks by a step each, and computes the series there."""
+    """Advances each walk by its step, and computes the series there."""
     execute(codes.advance, room)
     execute(codes.series, room)
     execute(codes.ratios, room)
@@ -350,7 +341,7 @@ def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
     """Computes the series of a motion at its start, and returns the unit of time.
 
     The unit is a power of two near the shortest time scale of q or p. So coefficients stay within the range of floats,
-    and steps do not depend on the unit in which the motion is given. The series of other motions stay as they are.
+    and steps do not depend on the unit in which the motion is given.
     """
     put_unit(layout, room, lane, 1.0)
     execute(codes.series, room)
@@ -370,7 +361,7 @@ def unit_of(codes: Codes, layout: Layout, room: Array, lane: int) -> float:
 
 
 def to_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
-    """Converts the coefficients of all variables of a motion from the unit of time 1 to ``unit``."""
+    """Multiplies the coefficients of order k of a motion's variables by unit^k."""
     lanes, apart, power = layout.lanes, layout.lanes * layout.apart, 1.0
     for k in range(layout.order + 1):
         high = lanes * layout.highs + k * apart + lane
@@ -384,7 +375,7 @@ def to_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
 
 
 def put_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
-    """Writes ``unit``/(k + 1) to memory."""
+    """Writes unit/(k + 1), by which coefficient k + 1 of a variable follows from coefficient k of its rate."""
     lanes = layout.lanes
     high, low = lanes * UNITS + lane, lanes * (UNITS + layout.order) + lane
     for k in range(layout.order):
@@ -399,7 +390,7 @@ def shortest_time(layout: Layout, room: Array, lane: int) -> float:
     shortest = FARTHEST
     for begin in (0, layout.half):
         for j in range(FIRST):
-            # near rest every other coefficient is small, so coefficients two orders apart are compared
+            # near rest every second coefficient is small, so coefficients two orders apart are compared
             before, after = largest(layout, room[lane:], begin, j), largest(layout, room[lane:], begin, j + 2)
             mean = sqrt(before) * sqrt(after)
             if 0 < mean < FARTHEST and largest(layout, room[lane:], begin, j + 1) <= NOISE * mean:
@@ -408,7 +399,7 @@ def shortest_time(layout: Layout, room: Array, lane: int) -> float:
 
 
 def largest(layout: Layout, room: Array, begin: int, k: int) -> float:
-    """The largest coefficient of order k of the part (q or p) that begins at ``begin``."""
+    """The largest coefficient of order k of q (``begin`` = 0) or of p."""
     found = 0.0
     for i in range(begin, begin + layout.half):
         found = max(found, abs(room[layout.lanes * (layout.highs + i + k * layout.apart)]))
@@ -416,9 +407,10 @@ def largest(layout: Layout, room: Array, begin: int, k: int) -> float:
 
 
 def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
-    """The step that the series of a walk allow; 0 if a ratio is not finite, or if all ratios underflow to 0.
+    """The step that the series of a walk allow: the longest for which its last two terms, and its first two terms in
+    floats, meet the bounds. The memory has the ratios of their coefficients to the size of the variables.
 
-    FARTHEST if the motion is exactly linear in time.
+    0 if a ratio is not finite, or if all ratios underflow to 0. FARTHEST if the motion is exactly linear in time.
     """
     left_out, rounded, order, wide, lanes = bounds.left_out, bounds.rounded, layout.order, layout.wide, layout.lanes
     if lane % WALKS > 0:
@@ -455,7 +447,7 @@ def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, p
             if outputs.marks[row] > 0:
                 before = abs(outputs.times[row])
             if lane % WALKS == 0 or outputs.marks[row] > 0:
-                # the low part of ``ahead`` is the rounding error of the difference
+                # the low part of the distance is the rounding error of time − now
                 back = left - time
                 ahead[fitting] = left
                 ahead[TIMES + fitting] = (time - (left - back)) - (now + back)
@@ -471,7 +463,7 @@ def put_rows(codes: Codes, layout: Layout, room: Array, at: Place, limit: int, p
 
 
 def last_compared(outputs: Outputs, row: int) -> float:
-    """The size of the time of the last compared row before ``row``; 0 if there is none."""
+    """|t| of the last compared row before ``row``; 0 if there is none."""
     before = row - 1
     while before >= 0 and outputs.marks[before] == 0:
         before -= 1
@@ -485,7 +477,7 @@ def mark_of(outputs: Outputs, row: int, farthest: float) -> float:
 
 
 def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, outputs: Outputs) -> None:
-    """Writes ``fitting`` states of a walk, from ``ahead``, into the rows from ``row`` on."""
+    """Copies the next ``fitting`` states of a walk, which :func:`dense` has written to ``ahead``, from ``row`` on."""
     width, second = layout.parts * layout.half, lane % WALKS
     for i in range(fitting):
         while second > 0 and outputs.marks[row] == 0:
@@ -509,8 +501,8 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:
-    """The comparison of both walks up to row ``limit``. A row that is not compared is wrong if the nearest compared row
-    before or after it is wrong.
+    """``seen``, continued up to row ``limit``. A row that is not compared is wrong if the nearest compared row before
+    or after it is wrong.
     """
     times, marks, last = outputs.times, outputs.marks, abs(outputs.times[len(outputs.times) - 1])
     rows, wrong, lost, first, worst = seen
@@ -524,7 +516,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
                 marks[row] = WRONG
                 wrong += 1
             worst = widest if not widest <= worst else worst
-            # the difference of the walks grows at least linearly in time
+            # the difference grows at least linearly in time, so that of the last row is at least ``widest``·last/way
             way = abs(times[row])
             if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
                 first = rows if lost == 0 else first
@@ -551,7 +543,8 @@ def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[
     return off, widest
 
 
-# --- the straight-line code of a kind, and logarithms from the bits of a float: single instructions when compiled
+# --- these functions are replaced by instructions when the loop is compiled: calls of the straight-line code of a kind,
+# and approximate logarithms from the bits of a float
 
 
 def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> None:
@@ -560,12 +553,12 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
 
 
 def execute(code: int, room: Array) -> None:
-    """Calls code that computes the coefficients in memory, or their ratios, or that advances the state by a step."""
+    """Computes the coefficients in memory, or their ratios, or advances the state by a step, by the ``code``."""
     _called(code, room)
 
 
 def dense(code: int, room: Array, lane: int, ahead: Array) -> None:
-    """Writes to ``ahead``, after the distances with which it begins, the states of a walk at these distances."""
+    """Writes the states of a walk to ``ahead``, at the distances with which ``ahead`` begins."""
     _called(code, room[lane:], ahead)
 
 

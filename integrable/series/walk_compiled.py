@@ -26,19 +26,18 @@ def _call(b: Operators, code: Value, *pointers: str) -> Value:
 
 
 def _in_lane(b: Operators, room: Value, lane: Value) -> str:
-    """The pointer to the first number of a lane."""
     return b.write(f"getelementptr double, ptr {room.parts[0]}, i64 {lane.parts[0]}")
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
-    # log₂ x is replaced by the exponent of x plus a linear function of its mantissa
+    # the bits of x as an integer, divided by 2^52, are the biased exponent plus the mantissa m − 1, near log₂ m
     word = b.write(f"bitcast double {b.float_of(x)} to i64")
     found = Value(FLOAT, (b.write(f"sitofp i64 {word} to double"),))
     return b.binary("Sub", b.binary("Mult", found, real(2.0**-52)), real(1023.0))
 
 
 def _power(b: Operators, x: Value) -> Value:
-    # 2^x is replaced by a parabola between consecutive integers x
+    # 2^(x − ⌊x⌋) is approximated by a parabola, and ⌊x⌋ becomes the exponent
     floor = b.function("floor", x)
     part = b.binary("Sub", x, floor)
     bent = b.binary("Add", b.binary("Mult", part, real(0.3371894346)), real(0.657636276))

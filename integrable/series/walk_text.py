@@ -13,6 +13,7 @@ from integrable.series.steps_text import Series
 from integrable.series.symbols import Key, key_of
 from integrable.series.tape import CONSTANT, DIFFERENCE, GROWTH, MULTIPLE, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
 from integrable.series.text import Text, Wide, joined_lanes
+from jacobian.numbers.double_double import split
 from jacobian.numbers.double_double_steps import (
     fast_two_sum,
     product,
@@ -56,8 +57,8 @@ def _advance(room: Room) -> str:
     """The function that advances the variables, stored as the coefficients of order 0, by a step."""
     single = Text(room.lanes)
     # lanes are gathered in registers: a load of the vector would wait for the stores of its lanes just before
-    lanes = [_float_at(single, "%s", room.lanes * STEP + lane) for lane in range(room.lanes)]
-    step = single.gathered(lanes)
+    one = Text(1, single)
+    step = single.gathered([one.load(room.lanes * STEP + lane) for lane in range(room.lanes)])
     square = single.fmul(step, step)
     powers = step, square, single.fmul(square, square)
     parts = [(first, width, Text(room.lanes * width, single)) for first, width in room.chunks(room.count)]
@@ -68,15 +69,9 @@ def _advance(room: Room) -> str:
     return _function("advance", "ptr noalias %s", single)
 
 
-def _float_at(text: Text, base: str, place: int) -> str:
-    there = text.write(f"getelementptr double, ptr {base}, i64 {place}")
-    return text.write(f"load double, ptr {there}, align 8")
-
-
 def _further(room: Room, text: Text, powers: Sequence[str], first: int, width: int) -> Iterator[bool]:
-    """Writes the instructions that advance a group of variables by a step, whose powers 1, 2 and 4 are given.
-
-    Each yield ends the instructions of one order.
+    """Writes the instructions that advance a group of variables by a step h, by Horner's rule; ``powers`` are h, h² and
+    h⁴. Each yield ends the instructions of one order.
     """
     (wide, order), (step, square, fourth) = room.orders, powers
 
@@ -86,8 +81,8 @@ def _further(room: Room, text: Text, powers: Sequence[str], first: int, width: i
     def low(k: int) -> str:
         return text.load(room.low(first, k) // width)
 
-    # four sums of every fourth term each, because one sum would wait at each term; in a walk in floats the largest
-    # terms are added one by one, which rounds less
+    # four sums, each of every fourth term, because a single sum would wait at each term; in a walk in floats the
+    # largest terms are added one by one, which rounds less
     last = wide + 1 if wide >= 0 else 3
     sums = [high(k) for k in range(order, order - 4, -1)]
     for k in range(order - 4, last - 1, -1):
@@ -120,16 +115,17 @@ def _onward(text: Text, x: Wide, step: Wide, coefficient: Wide) -> Wide:
 
 
 def _dense(room: Room, count: int) -> str:
-    """The function that evaluates the first ``count`` variables of one walk at the distances %x.
+    """The function that evaluates the first ``count`` variables of one walk at given distances from the expansion
+    point.
 
-    The walk begins at %s. %x holds vectors of TIMES floats: the high parts of the distances, the low parts, then the
-    results, high and low parts of each variable.
+    The lane of the walk begins at %s. %x holds vectors of TIMES floats: the high and the low parts of the distances,
+    then, as results, the high and the low parts of each variable.
     """
     text, (wide, order), lanes = Text(TIMES), room.orders, room.lanes
-    ahead = text.load(0, "%x"), text.load(1, "%x")
+    ahead, one = (text.load(0, "%x"), text.load(1, "%x")), Text(1, text)
 
     def spread(place: int) -> str:
-        return text.spread(_float_at(text, "%s", place * lanes))
+        return text.spread(one.load(place * lanes))
 
     first, variables = wide - wide // FLOATS, range(count)
     # the variables are interleaved, so that the latency of one is hidden by the others
@@ -164,8 +160,8 @@ def _start(room: Room, start: Tape) -> str:
         if kind not in (VARIABLE, CONSTANT):
             continue
         high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
-        # constants and variables that are functions of the state all change by the same factor, so that a variable that
-        # is equal to a constant stays equal to it
+        # the start of the second walk; constants and variables that are functions of the state all change by one
+        # factor, so that a variable that is equal to a constant stays equal to it
         again = single.fma(high, single.real(moved * (min(n, shown) % 5 - 2.5)), low)
         # constants of a walk in floats have no low part, so their change must show in the high part
         both = kind == CONSTANT and wide < 0
@@ -176,7 +172,7 @@ def _start(room: Room, start: Tape) -> str:
 
 
 def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:
-    """The results of a tape for the floats in %state."""
+    """The results of a tape whose variables are the floats in %state."""
     found: list[Wide] = []
     for n, (kind, p, q) in enumerate(tape.nodes):
         if kind == VARIABLE:
@@ -187,25 +183,20 @@ def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:
             found.append(square_root(text, *found[p]))
         elif kind == GROWTH:
             pair = text.write(f"call {{double, double}} @growth(double {found[p][0]}, double {found[p][1]})")
-            found.append(_parts(text, pair))
+            high, low = (text.write(f"extractvalue {{double, double}} {pair}, {i}") for i in (0, 1))
+            found.append((high, low))
         else:
             found.append(_combined(text, kind, found[p], found[q]))
     return [found[n] for n in tape.results]
 
 
 def _combined(text: Text, kind: int, x: Wide, y: Wide) -> Wide:
-    """The sum, difference, product or quotient of two double-doubles."""
     operation = product if kind in (MULTIPLE, PRODUCT) else quotient if kind == QUOTIENT else total
     return operation(text, *x, *(text.wide_negative(y) if kind == DIFFERENCE else y))
 
 
-def _parts(text: Text, pair: str) -> Wide:
-    high, low = (text.write(f"extractvalue {{double, double}} {pair}, {i}") for i in (0, 1))
-    return high, low
-
-
 def _constant(text: Text, key: Key, known: dict[Key, Wide]) -> Wide:
-    """The constant with this key, as a double-double."""
+    """The constant with this key; ``known`` are those that have been computed."""
     if key not in known:
         kind, *rest = key
         if kind == "constant":
@@ -223,7 +214,8 @@ def _growth() -> str:
     text = Text(1)
     small = text.real(2.0**-HALVED)
     x = text.fmul("%hi", small), text.fmul("%lo", small)
-    terms = [_split(text, Fraction(1, factorial(k))) for k in range(1, TERMS + 1)]
+    halves = (split(Fraction(1, factorial(k))) for k in range(1, TERMS + 1))
+    terms = [(text.real(high), text.real(low)) for high, low in halves]
     found = terms[-1]
     for term in terms[-2::-1]:
         found = total(text, *product(text, *found, *x), *term)
@@ -236,11 +228,6 @@ def _growth() -> str:
     pair = text.write(f"insertvalue {{double, double}} {pair}, double {found[1]}, 1")
     head = "define internal {double, double} @growth(double %hi, double %lo) nounwind noinline {"
     return "\n".join([head, *text.lines, f"  ret {{double, double}} {pair}", "}"])
-
-
-def _split(text: Text, x: Fraction) -> Wide:
-    high = float(x)
-    return text.real(high), text.real(float(x - Fraction(high)))
 
 
 def _function(name: str, arguments: str, text: Text) -> str:

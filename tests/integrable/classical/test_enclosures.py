@@ -14,7 +14,7 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
 from integrable.moving_point import balls
-from integrable.mumford import enclosure, series
+from integrable.mumford import enclosure, series, translations
 from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.translations import through
 from integrable.systems.on_layer import BodyOnLayer
@@ -87,7 +87,8 @@ def test_higher_genus(genus, make) -> None:
 def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) -> None:
     """Rounding and truncation are the only errors, and both are of the size of the balls."""
     monkeypatch.setattr(enclosure, "OF_GENUS", 0)
-    monkeypatch.setattr(enclosure.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
+    brief = lambda field, *given: series.PointMotion(field, *given[:-1], field.bits // 6 + 4)  # noqa: E731
+    monkeypatch.setattr(translations, "PointMotion", brief)
     system, state = REAL[name](RR, n)
     # one time each, because several share the bits that the farthest needs
     near, far = (system.flow(state).enclosure([t], digits=4) for t in (0.75, 3))

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import multiplier, padded, rates_and_quotients
+from integrable.mumford.fields import cofactor, multiplier, padded, rates
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
@@ -144,7 +144,9 @@ def _extend(
     whole = (*moving[:size], K.one)
     n = tuple(map(K.coerce, direction))
     turning = multiplier(K, whole, n)
-    (of_u, of_v), quotients = rates_and_quotients(K, tuple(map(K.coerce, f)), whole, moving[size:], turning)
+    curve, v = tuple(map(K.coerce, f)), moving[size:]
+    of_u, of_v = rates(K, curve, whole, v, n)
+    quotients = (poly.divide(K, poly.mul(K, turning, a), whole)[0] for a in (v, cofactor(K, curve, whole, v)))
     thirds = [poly.evaluate(K, turning, x) / poly.evaluate(K, whole, x) for x in map(K.coerce, points)]
     second = second_kind_rate(K, whole, n)
     roots = list(map(K.coerce, rows[len(rows) - 2 * len(ends) :]))
