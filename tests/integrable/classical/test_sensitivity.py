@@ -70,7 +70,7 @@ def star(q, p, given):
 FORMULAS = {"neumann": neumann, "toda": toda, "pendulum": pendulum, "ellipsoid": geodesic, "galaxy": star}
 
 
-def by_complex_steps(name, system, state, times, longest=0.02):
+def by_complex_steps(name, system, state, times, longest=0.05):
     """∂(q, p)/∂(q(0), p(0), constants) through DOP853: the imaginary parts of runs from complex inputs. Its tolerance
     does not see them, so that steps are short.
     """
@@ -105,6 +105,7 @@ def rates_of(system, q, p):
     return np.array([*rate.q, *rate.p])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "n"),
     [

@@ -34,10 +34,10 @@ def test_a_frame_for_each_time(motion, tmp_path):
 def test_the_vertical_goes_on_its_sphere(tmp_path):
     """The trail in the second panel grows."""
     path = tmp_path / "run.gif"
-    BALL.at(np.linspace(0, 3, 9)).animate(path)
+    BALL.at(np.linspace(0, 3, 5)).animate(path)
     inked = []
     with Image.open(path) as picture:
-        for k in (1, 4, 8):
+        for k in (1, 2, 4):
             picture.seek(k)
             frame = np.array(picture.convert("RGB"), dtype=int)
             inked.append((frame[:, frame.shape[1] // 3 : 2 * frame.shape[1] // 3].max(axis=2) < 200).sum())

@@ -165,10 +165,11 @@ def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, fie
     assert _error(step(state), true) <= 200 * field.eps * max(map(abs, (1, *state.M)))
 
 
-def test_steps_of_all_kinds_on_all_kinds_of_bodies() -> None:
+@pytest.mark.parametrize("count", [12, pytest.param(30, marks=pytest.mark.slow)])
+def test_steps_of_all_kinds_on_all_kinds_of_bodies(count) -> None:
     """Bodies of wide distributions, upright and tilted: images are right to rounding or refused by name."""
     rng, tried, refused = Random(5), 0, 0
-    while tried < 30:
+    while tried < count:
         system, state, _ = random_motion(rng)
         maps = [lambda b: b.multiplication(3), lambda b: b.keyless(), lambda b: b.translation([0.3j, -0.3j])]
         maps += [lambda b: b.torsion()] if system.d else [lambda b: b.conic(0.7, 2.0)]

@@ -114,6 +114,7 @@ def numbers(folder):
     return found
 
 
+@pytest.mark.slow
 def test_a_killed_study_goes_on_and_two_at_once_share_the_work(rows, source, tmp_path):
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     # two processes on one folder: each row is measured by one of them

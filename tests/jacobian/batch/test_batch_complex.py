@@ -140,6 +140,7 @@ def neighbour(precise, point, step):
     return x2, (root if abs(root - y - h / 2) < abs(root + y + h / 2) else -root) - h2 / 2
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["complex quintic with h", "complex sextic with h", "real sextic"])
 def test_rows_near_special_ones(name):
     """Points that approach those of the other summand, or their opposites, by powers of 10: no digits are lost."""
@@ -210,7 +211,7 @@ def single(J, D, E):
         return 2, None
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(9)
 @pytest.mark.parametrize("name", CURVES)
 def test_arrays_row_by_row(name):
     """Pairs of divisors of two, one and no points, weights at infinity and opposites agree with single additions."""

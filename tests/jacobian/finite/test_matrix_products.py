@@ -188,6 +188,7 @@ def test_progress_is_logged(caplog, monkeypatch):
     assert all("s left" in text for text in said)
 
 
+@pytest.mark.slow
 def test_a_first_order_says_nothing_of_the_hours_that_compilation_seemed_to_show(tmp_path):
     """While numba compiled for seven seconds, the progress line used to predict "0 % done, about 2879 s left"."""
     asked = "from jacobian import *; print(HyperellipticCurve(GF(10**7 + 19), [1, -1, 0, 0, 0, 1]).jacobian().order())"

@@ -132,7 +132,7 @@ def classes(row):
     return found
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("row", EXACT_ROWS, ids=str)
 def test_sums_equal_the_exact_ones(row, K):

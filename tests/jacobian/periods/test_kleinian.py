@@ -77,7 +77,7 @@ def frozen(rows):
     return [(tuple(f), tuple(h)) for f, h in rows]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("f", "h"), frozen(GENUS_2))
 def test_zeta_is_odd_and_its_slopes_are_wp(f, h):
     K = functions(f, h)
