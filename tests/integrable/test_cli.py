@@ -116,6 +116,7 @@ def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     assert names(here) == ["ball.toml"]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -68,6 +68,7 @@ def test_a_step_in_floats_is_right_to_rounding_times_its_condition(name) -> None
     assert _error(image, _truth(system, options, state)[-1]) <= growth * EPS
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "count"), [("pair at 1e-12", 50), ("next to 2-torsion", 50), ("16 times", 20)])
 def test_an_orbit_in_floats_does_not_feed_its_rounding_back(name, count) -> None:
     system, options, growth = EXTREME[name]

@@ -135,6 +135,7 @@ def test_curves_with_complex_multiplication(p, degree):
     assert search(C) == complex_multiplication.frobenius_polynomial(C)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("p", "genus", "model"), [(10**9 + 7, 2, "split"), (10**9 + 7, 3, "ramified"), (10**10 + 19, 1, "inert")]
 )
