@@ -75,7 +75,7 @@ def test_an_ffmpeg_that_gives_up_is_one_line(tmp_path, monkeypatch, script, why)
     fake.chmod(0o755)
     monkeypatch.setenv("PATH", str(fake.parent), prepend=os.pathsep)
     with pytest.raises(ArgumentError, match=r"^path = .*run\.mp4'") as caught:
-        BALL.at(np.linspace(0, 1, 3)).animate(tmp_path / "run.mp4")
+        BALL.at([0.0, 1.0]).animate(tmp_path / "run.mp4")
     assert why in str(caught.value)
     assert "\n" not in str(caught.value)
     assert [p.name for p in tmp_path.iterdir()] == ["bin"]

@@ -45,6 +45,7 @@ def largest(K, run, other) -> float:
     return max(abs(K.coerce(x) - K.coerce(y)) for x, y in pairs)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("d", ["1e-8", "1e-12", "1e-20"])
 def test_a_clock_that_hardly_varies_keeps_its_digits(d) -> None:
     """1/g = 1 + O(d): variations that floats cannot distinguish from rounding still need many nodes."""

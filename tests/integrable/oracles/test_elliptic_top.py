@@ -44,7 +44,7 @@ def test_the_shipped_trajectory_to_its_digits():
                 assert max(abs(x - mpmath.mpf(y)) for x, y in zip(got, wanted, strict=True)) < 1e-34
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("inertia", list(permutations((1.0, 2.0, 3.5))))
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
 def test_every_order_of_the_axes(inertia, seed):

@@ -181,6 +181,7 @@ def test_all_published_curves():
 # --- the forest, walks and matrices
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("g", [1, 2, 3, 4, pytest.param(6, marks=pytest.mark.slow)])
 def test_matrices_are_those_of_the_power(g):
     """Compared with coefficients of F^((p−1)/2), for blocks of any size: one walk, or many trees."""
@@ -218,7 +219,7 @@ class Killed(Exception):
     pass
 
 
-@pytest.mark.parametrize("after", [pytest.param(60, marks=pytest.mark.slow), 400, 1500])
+@pytest.mark.parametrize("after", [400, *(pytest.param(x, marks=pytest.mark.slow) for x in (60, 1500))])
 def test_a_run_that_is_killed_goes_on(monkeypatch, tmp_path, after):
     """It goes on from the last saved state, with trees and without, to the same result."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"

@@ -93,7 +93,7 @@ def test_zeta_is_odd_and_its_slopes_are_wp(f, h):
     assert all(abs(a + b) < 1e-36 for a, b in zip(zeta, K.zeta(minus), strict=True))
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("f", "h"), frozen(GENUS_2))
 def test_zeta_has_the_periods_of_the_second_kind(f, h):
     K, n = functions(f, h), (1, -2, 0, 3)
@@ -126,7 +126,7 @@ def from_theta(P, z, characteristic):
     return [*wp, *(slopes[i] + kappa[i, 0] * z[0] + kappa[i, 1] * z[1] for i in range(2))]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("f", "h"), GENUS_2)
 def test_beside_theta(f, h):
     """One of the six odd characteristics, the same at all points, reproduces all five functions."""
