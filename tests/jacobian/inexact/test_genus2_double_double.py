@@ -62,8 +62,14 @@ def test_at_every_distance(variant):
     assert median(errors) < TYPICAL
 
 
-@pytest.mark.parametrize("curve", [QUINTIC, pytest.param(QUARTIC, marks=pytest.mark.slow)], ids=["quintic", "quartic"])
-@pytest.mark.parametrize("every", [7, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("curve", "every"),
+    [
+        pytest.param(QUINTIC, 7, id="quintic"),
+        pytest.param(QUINTIC, 4, id="quintic-more", marks=pytest.mark.slow),
+        pytest.param(QUARTIC, 4, id="quartic", marks=pytest.mark.slow),
+    ],
+)
 def test_special_cases_on_rational_points(curve, every):
     """Branch points, doubles, common and opposite points, compared with the general formula in 60 digits."""
     K = MP(60)
