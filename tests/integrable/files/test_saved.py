@@ -203,13 +203,14 @@ def test_bad_calls(tmp_path, monkeypatch):
 
 FULL = """
 import resource, sys
+from pathlib import Path
 from integrable import ChaplyginBall
 ball = ChaplyginBall((1, 2, 3), 0.7)
 run = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).at([k / 400 for k in range(400)])
 from jacobian.errors import ArgumentError
 # what is imported and compiled is written before
 for path in sys.argv[1:]:
-    run.save(path.replace("run.", "first."))
+    run.save(Path(path).with_stem("first"))
 # a limit would cut short what Python keeps of imported modules as well, for every process after this one
 sys.dont_write_bytecode = True
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))

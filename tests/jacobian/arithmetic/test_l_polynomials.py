@@ -206,13 +206,14 @@ def test_matrices_are_the_transposed_ones_of_cartier_and_manin():
         assert matrix.T.tolist() == C.change_ring(GF(p)).cartier_manin()
 
 
-def test_large_primes_by_a_forest_and_by_one_walk(monkeypatch):
+@pytest.mark.parametrize("bound", [15_000, pytest.param(30_000, marks=pytest.mark.slow)])
+def test_large_primes_by_a_forest_and_by_one_walk(monkeypatch, bound):
     C = HyperellipticCurve(QQ, [7, 0, -3, 1, 0, 2, 5])
-    walked = C.l_polynomials(15_000)
+    walked = C.l_polynomials(bound)
     monkeypatch.setattr(forest, "WALKED_TO", 1 << 10)
     monkeypatch.setattr(forest, "BLOCK", 1 << 9)
     monkeypatch.setattr(residues, "PART", 50)
-    assert (C.l_polynomials(15_000).coefficients == walked.coefficients).all()
+    assert (C.l_polynomials(bound).coefficients == walked.coefficients).all()
 
 
 class Killed(Exception):

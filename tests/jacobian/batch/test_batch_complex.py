@@ -211,7 +211,7 @@ def single(J, D, E):
         return 2, None
 
 
-@pytest.mark.thinned(9)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("name", CURVES)
 def test_arrays_row_by_row(name):
     """Pairs of divisors of two, one and no points, weights at infinity and opposites agree with single additions."""

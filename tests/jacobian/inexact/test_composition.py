@@ -176,7 +176,7 @@ def test_branch_points_double_to_zero(genus, K):
     assert_equal(half, exact.from_points([(x, 0) for x in roots[genus + 1 :]]), 1e3)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("row", EXACT_ROWS, ids=str)
 def test_associativity_to_rounding(row):
     J, rng = rounded(MP(30), row.curve), Random(f"associativity {row}")

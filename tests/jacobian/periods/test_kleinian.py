@@ -126,7 +126,7 @@ def from_theta(P, z, characteristic):
     return [*wp, *(slopes[i] + kappa[i, 0] * z[0] + kappa[i, 1] * z[1] for i in range(2))]
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("f", "h"), GENUS_2)
 def test_beside_theta(f, h):
     """One of the six odd characteristics, the same at all points, reproduces all five functions."""

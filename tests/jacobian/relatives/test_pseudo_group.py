@@ -79,7 +79,7 @@ def special_classes(J, rng):
     return classes + [J.from_mumford([1], [], n) for n in (0, 2)] if C.model == "split" else classes
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("p", "model"), LONG)
 def test_special_points_over_long_primes(p, model):
     rng = Random(p)
