@@ -1,5 +1,6 @@
 """Fixtures of all tests."""
 
+import gc
 from collections import Counter
 
 import numpy as np
@@ -16,6 +17,17 @@ def pytest_xdist_make_scheduler(config, log):
     from xdist.scheduler import WorkStealingScheduling
 
     return WorkStealingScheduling(config, log)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session):
+    """The half million objects made by collection live to the end, so the garbage collector passes over them."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)

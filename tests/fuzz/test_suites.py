@@ -173,7 +173,7 @@ EVERYDAY = {
 def test_a_few_cases(name):
     suite = suite_of(name)
     # a case of "calls" tries an argument with some sixty values
-    tally = follow(Plan(suite, "everyday 1", EVERYDAY[name], cases=2 if name == "calls" else 8))
+    tally = follow(Plan(suite, "everyday 1", EVERYDAY[name], cases=2 if name == "calls" else 6))
     assert not tally.failures, tally.failures[0]
 
 

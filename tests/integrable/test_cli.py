@@ -14,7 +14,7 @@ import pytest
 import integrable
 from integrable.__main__ import main
 from integrable.scene.file import load_scene, scene_names
-from tests.integrable.scene_texts import BALL, REPORT
+from tests.integrable.scene_texts import BALL, EXACT, REPORT
 
 
 @pytest.fixture
@@ -116,6 +116,7 @@ def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     assert names(here) == ["ball.toml"]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -250,11 +251,15 @@ def test_the_schema_refuses_what_is_no_result(here, capsys, valid):
         assert not valid(wrong)
 
 
-def test_an_orbit_over_a_finite_field_is_what_the_schema_says(here, capsys, valid):
-    assert main(["run", "finite_field", "--json"]) == 0
+@pytest.mark.parametrize(
+    ("name", "count"), [("short.toml", 13), pytest.param("finite_field", 1001, marks=pytest.mark.slow)]
+)
+def test_an_orbit_over_a_finite_field_is_what_the_schema_says(here, capsys, valid, name, count):
+    (here / "short.toml").write_text(EXACT, encoding="utf-8")
+    assert main(["run", name, "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     assert valid(content)
-    assert len(content["trajectory"]["steps"]) == 1001
+    assert len(content["trajectory"]["steps"]) == count
 
 
 @pytest.mark.parametrize("name", scene_names())

@@ -47,6 +47,7 @@ def start_of(name, system):
     return system.state(GAMMA, [K.coerce(x) / 4 for x in M])
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_integrals_of_every_system(name) -> None:
     system = SYSTEMS[name]()

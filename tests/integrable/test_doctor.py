@@ -14,7 +14,12 @@ from jacobian.owner import ForeignFiles, beside, installed, say
 ROOT = Path(integrable.__file__).parent.parent
 
 
-def test_a_healthy_installation(capsys):
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr("integrable.doctor.LEAST", 0.01)
+
+
+def test_a_healthy_installation(quick, capsys):
     assert main(["doctor"]) == 0
     said = capsys.readouterr().out
     for word in ("jacobian-integrable", "numpy", "compiled code kept in", "a motion at 1000 times", "nothing is wrong"):
@@ -48,6 +53,18 @@ def test_an_intruder_beside_us_is_named_in_one_line(shared):
     assert len(warned) == 1
     assert "jacobian 0.23 has a package jacobian in the same folder as jacobian-integrable" in warned[0]
     assert "pip uninstall jacobian" in warned[0]
+
+
+def test_an_intruder_is_what_is_wrong(quick, capsys, monkeypatch):
+    monkeypatch.setattr("jacobian.owner.installed", lambda: ["jacobian 0.23 in here"])
+    assert main(["doctor"]) == 1
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("jacobian 0.23 in here "))
+    assert "files of one overwrite the other's" in line
+
+
+@pytest.mark.slow
+def test_the_doctor_finds_an_intruder_beside_us(shared):
+    """In a process that compiles, as code is kept for each place of an installation."""
     found = obeyed(shared, "-m", "integrable", "doctor")
     assert found.returncode == 1
     (line,) = (line for line in found.stdout.splitlines() if line.startswith("jacobian 0.23 in "))

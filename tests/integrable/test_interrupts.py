@@ -26,7 +26,9 @@ def test_at_once(command):
     assert (found.code, found.err, found.out, found.left) == (130, f"{name}: interrupted\n", "", [])
 
 
-@pytest.mark.parametrize("delay", [0.05, 0.15, 0.4, pytest.param(2.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "delay", [0.05, pytest.param(0.15, marks=pytest.mark.slow), 0.4, pytest.param(2.0, marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("executor", ["threads", "processes"])
 def test_a_sweep(executor, delay):
     """A sweep stops without tracebacks of its workers; threads used to continue for six seconds."""

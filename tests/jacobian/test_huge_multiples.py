@@ -64,7 +64,11 @@ CASES = {
 
 
 @pytest.mark.parametrize(
-    "case", [pytest.param(name, marks=pytest.mark.slow if name in ("glued", "a combination") else ()) for name in CASES]
+    "case",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in ("glued", "a combination", "a table") else ())
+        for name in CASES
+    ],
 )
 def test_what_grows_without_end_is_refused(case):
     call, says = CASES[case]

@@ -172,6 +172,7 @@ HIGH = [
 ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("squares", "q", "p", "times"), HIGH)
 def test_additions_reach_the_times_of_a_geodesic_in_many_dimensions(squares, q, p, times):
     a, q, p = map(np.array, (squares, q, p))

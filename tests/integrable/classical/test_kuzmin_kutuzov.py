@@ -26,6 +26,7 @@ def error(axes, q, p, time=6, steps=12):
     return distance(K, (path.q[0], path.p[0]), integrated(system, state, time, steps))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("axes", "q", "p"),
     [
@@ -91,10 +92,11 @@ def test_what_is_refused() -> None:
         flow.enclosure([1.0])
 
 
-def test_far_floats_beside_many_digits() -> None:
+@pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
+def test_far_floats_beside_many_digits(count) -> None:
     """Stars of all kinds, of galaxies of both shapes."""
     rng = Random(8)
-    for n in range(12):
+    for n in range(count):
         axes = rng.uniform(0.2, 3), rng.uniform(0.2, 3)
         system = KuzminKutuzov(axes)
         q, p = ([rng.gauss(0, 1) for _ in range(3)] for _ in range(2))
@@ -135,9 +137,10 @@ def beside_galpy(rng):
     return system, state, Orbit([R, out, about, z, up, azimuth]), potential, focus
 
 
-def test_galpy_integrates_the_same_orbits(galpy) -> None:
+@pytest.mark.parametrize("count", [2, pytest.param(5, marks=pytest.mark.slow)])
+def test_galpy_integrates_the_same_orbits(galpy, count) -> None:
     rng = Random(1)
-    for _ in range(5):
+    for _ in range(count):
         system, state, orbit, potential, _ = beside_galpy(rng)
         times = np.linspace(0, 50, 11)
         orbit.integrate(times, potential, method="dop853")

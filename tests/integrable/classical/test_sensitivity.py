@@ -70,7 +70,7 @@ def star(q, p, given):
 FORMULAS = {"neumann": neumann, "toda": toda, "pendulum": pendulum, "ellipsoid": geodesic, "galaxy": star}
 
 
-def by_complex_steps(name, system, state, times, longest=0.02):
+def by_complex_steps(name, system, state, times, longest=0.05):
     """∂(q, p)/∂(q(0), p(0), constants) through DOP853: the imaginary parts of runs from complex inputs. Its tolerance
     does not see them, so that steps are short.
     """
@@ -105,6 +105,7 @@ def rates_of(system, q, p):
     return np.array([*rate.q, *rate.p])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "n"),
     [
@@ -146,7 +147,7 @@ def test_the_start_is_projected_onto_its_constraints() -> None:
     assert found.columns == ("q0", "q1", "q2", "p0", "p1", "p2", "a0", "a1", "a2")
 
 
-@pytest.mark.parametrize("time", [-12.5, 1e6])
+@pytest.mark.parametrize("time", [pytest.param(-12.5, marks=pytest.mark.slow), 1e6])
 def test_a_scaling_of_neumanns_system_in_units_of_any_size(time) -> None:
     """q(t) for (c²a, cp) is q(ct): S applied to (0, p, 2a) is t·ẋ + (0, p)."""
     for unit in (1.0, 2.0**40):

@@ -37,7 +37,7 @@ def flow_of(name, n=0):
     return system.flow(state)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("name", "n"), [*CASES, *((name, 0) for name in AXES)])
 def test_the_lines_add_up_to_the_motion(name, n) -> None:
     flow = flow_of(name, n)

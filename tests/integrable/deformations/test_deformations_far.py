@@ -272,7 +272,7 @@ def _resonant(system):
     return state(K.context.findroot(lambda x: ratio(x) - wanted, (angles[k], angles[k + 1]), solver="anderson"))
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("inertia", "d", "gamma", "M", "times"),
     [

@@ -39,6 +39,7 @@ def level(gamma, M):
     return gamma[:, 1] * M[:, 0] - gamma[:, 0] / 4
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", [*CURVES, *INTEGRATED])
 def test_events_are_the_zeros_of_a_dense_sample(name) -> None:
     flow, end = motion(name), 60 if name in CURVES else 20
@@ -68,6 +69,7 @@ def test_events_far_away(name) -> None:
     assert np.abs(found.M[:, 2]).max() < 1e-8
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["check", "gyroscopic"])
 def test_events_in_many_digits(name) -> None:
     found = motion(name, MP(30)).events(level, 0, 5)
@@ -76,6 +78,7 @@ def test_events_in_many_digits(name) -> None:
     assert max(abs(level(found.gamma, found.M))) < 1e-28
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", [*CURVES, *INTEGRATED])
 def test_a_certificate_has_the_errors_of_the_states(name) -> None:
     flow, times = motion(name), [0.5, -0.25] if name in INTEGRATED else [0.5, -1.25, 1e3 if name == "tilde, d" else 1e6]
@@ -126,6 +129,7 @@ def moved(flow, columns, column, step, K):
     return system.motion_through(system.state(gamma, M))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(x, marks=pytest.mark.slow if x.startswith("tilde, d") else ()) for x in (*CURVES, *INTEGRATED)],
@@ -143,6 +147,7 @@ def test_sensitivities_are_differences_of_other_motions(name) -> None:
         assert gap.max() < 1e-15 * np.abs(found.matrix).max()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["tilde, d", "poles"])
 def test_curves_and_equations_of_variation_agree(name) -> None:
     flow = motion(name)

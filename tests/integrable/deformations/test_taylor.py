@@ -92,7 +92,7 @@ def test_the_rates_of_a_deformation_are_recorded(name) -> None:
     assert max(abs(a - b) for a, b in gap) < 1e-37
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_compiled_and_interpreted_series_agree_with_extrapolation(name) -> None:
     (system, y), time = _start(name), K.coerce(-0.125)

@@ -33,7 +33,7 @@ def threads(request):
     set_threads(None)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("name", ["neumann", "toda", "pendulum", "garnier"])
 def test_members_are_single_flows_to_the_bit(name, threads) -> None:
     rng = np.random.default_rng(3)

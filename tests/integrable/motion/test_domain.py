@@ -108,8 +108,8 @@ def test_nearly_equal_moments_keep_all_digits(name) -> None:
     assert back.gamma == pytest.approx(np.array([GAMMA, rows[0, :3]]), abs=1e-8)
 
 
-@pytest.mark.thinned(4)
-@pytest.mark.parametrize("d", [1e4, 1e8, 1e11, 1e14, 1e16])
+@pytest.mark.thinned(5)
+@pytest.mark.parametrize("d", [1e14, 1e4, 1e8, 1e11, 1e16])
 def test_heavy_balls_are_told_the_time(d) -> None:
     flow, times = flow_of((1, 2, 3), d), [3.0 * d, -0.5 * d]
     torus = TorusFlow(flow.setup, CompiledLoops())

@@ -184,6 +184,7 @@ def test_special_bodies_and_starts_against_a_taylor_integration(name) -> None:
     assert np.abs(run.M - expected.astype(float)).max() < 4e-12 * np.linalg.norm(M)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["gamma_2 = 0", "gamma_1 = gamma_2 = 0", "thin ball", "axes in another order"])
 def test_few_near_times_keep_what_is_promised(name) -> None:
     """|t||M| = 3 … 150 by "auto": additions in floats are used where they and their clock are accurate to 1e-13."""

@@ -118,7 +118,8 @@ SEPARATRIX = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name == "ball" else ()) for name in SEPARATRIX]
+    "name",
+    [pytest.param(x, marks=() if x == "both points at the node" else pytest.mark.slow) for x in SEPARATRIX],
 )
 def test_far_times_on_a_separatrix_are_computed_with_more_digits(name) -> None:
     system, gamma, M, t = SEPARATRIX[name]
@@ -142,6 +143,7 @@ BESIDE = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", [*SEPARATRIX, *BESIDE])
 def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(name) -> None:
     """Input errors grow by up to 10^14; the errors of U and V would grow by the square of this."""

@@ -310,6 +310,7 @@ HALF_PEAKED = (
 )
 
 
+@pytest.mark.thinned(2)
 @compiled
 @pytest.mark.parametrize(
     ("moments", "start"),

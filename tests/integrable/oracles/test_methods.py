@@ -105,7 +105,7 @@ def test_order_of_convergence(name, problem) -> None:
 TOLERANT = [name for name, method in METHODS.items() if method.parameter == "tolerance" and "double" not in name]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", named(TOLERANT))
 def test_the_error_follows_the_tolerance(name) -> None:
     system, state = PROBLEMS["ball"]

@@ -29,6 +29,7 @@ def largest(array, rows):
     )
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["S1", "S2", "S6"])
 def test_taylor_meets_the_shipped_trajectories(name):
     states = SCENES[name]["states"]
@@ -45,7 +46,7 @@ def test_taylor_meets_the_thin_ball(time):
         assert largest(solution.gamma, [SCENES["S4a"]["states"][time]["gamma"]]) < 1e-33
 
 
-@pytest.mark.parametrize("digits", [10, 25, 60])
+@pytest.mark.parametrize("digits", [10, 25, pytest.param(60, marks=pytest.mark.slow)])
 def test_taylor_keeps_what_it_promises_at_any_number_of_digits(digits):
     body, start = problem("S1")
     some, more = (taylor(body, start, ["2.5"], digits=n) for n in (digits, digits + 20))

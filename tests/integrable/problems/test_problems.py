@@ -112,7 +112,7 @@ def test_right_hand_sides_are_the_equations_written_once_more(name, written, con
         assert np.abs(one.rhs(0, one.y0) - expected).max() <= 16 * EPS * np.abs(expected).max()
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(7)
 @over_problems
 def test_truth_beside_series_that_share_no_code(name) -> None:
     one = starts(name, 1)[-1]

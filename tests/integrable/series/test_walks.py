@@ -45,7 +45,7 @@ def off(found, true):
     return (np.abs(found - true).max(axis=-1) / np.abs(true).max(axis=-1)).max()
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @over_some
 def test_the_compiled_walk_and_the_recurrences_differ_by_rounding_only(name, n) -> None:
     system, state = REAL[name](RR, n)

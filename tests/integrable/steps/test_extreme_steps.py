@@ -68,6 +68,7 @@ def test_a_step_in_floats_is_right_to_rounding_times_its_condition(name) -> None
     assert _error(image, _truth(system, options, state)[-1]) <= growth * EPS
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "count"), [("pair at 1e-12", 50), ("next to 2-torsion", 50), ("16 times", 20)])
 def test_an_orbit_in_floats_does_not_feed_its_rounding_back(name, count) -> None:
     system, options, growth = EXTREME[name]
@@ -165,10 +166,11 @@ def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, fie
     assert _error(step(state), true) <= 200 * field.eps * max(map(abs, (1, *state.M)))
 
 
-def test_steps_of_all_kinds_on_all_kinds_of_bodies() -> None:
+@pytest.mark.parametrize("count", [12, pytest.param(30, marks=pytest.mark.slow)])
+def test_steps_of_all_kinds_on_all_kinds_of_bodies(count) -> None:
     """Bodies of wide distributions, upright and tilted: images are right to rounding or refused by name."""
     rng, tried, refused = Random(5), 0, 0
-    while tried < 30:
+    while tried < count:
         system, state, _ = random_motion(rng)
         maps = [lambda b: b.multiplication(3), lambda b: b.keyless(), lambda b: b.translation([0.3j, -0.3j])]
         maps += [lambda b: b.torsion()] if system.d else [lambda b: b.conic(0.7, 2.0)]

@@ -76,7 +76,7 @@ HAMILTONIANS = {
 }
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(8)
 @pytest.mark.parametrize("F", HAMILTONIANS)
 @pytest.mark.parametrize("kind", SHIFTED)
 def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:

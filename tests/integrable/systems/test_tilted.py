@@ -263,6 +263,7 @@ SPECIAL = {
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SPECIAL)
 def test_special_bodies_and_starts_against_a_taylor_integration(name) -> None:
     system, gamma, momentum = SPECIAL[name]

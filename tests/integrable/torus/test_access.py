@@ -264,6 +264,7 @@ def test_a_grid_that_is_too_coarse_is_noticed() -> None:
     assert needed_sizes(spectrum(samples(128)), (1e-15, 1e-15)) == (128, 128)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("d", "tilted"), [(0.7, False), (0.7, True), (1e-9, True)])
 def test_a_finer_grid_takes_what_the_coarser_one_knows(d, tilted) -> None:
     ball = ChaplyginBall((1, 2, 3), d)
@@ -457,7 +458,9 @@ def test_branch_points_that_are_close_take_more_digits_to_begin_with(moments, d,
             (-0.09366368012320649, 0.004076907284676683, -0.0011391258316842546),
             (338.4, -41864.80337313851),
         ),
-        ((63, 0.21, 860), 1.4e4, (-5e-5, -0.99, -0.017), (0.3, -8e-5, 0.0038), (7e4, -8.5e6)),
+        pytest.param(
+            (63, 0.21, 860), 1.4e4, (-5e-5, -0.99, -0.017), (0.3, -8e-5, 0.0038), (7e4, -8.5e6), marks=pytest.mark.slow
+        ),
     ],
 )
 def test_moments_of_different_orders_give_the_nearest_floats(moments, d, gamma, M, times) -> None:

@@ -69,7 +69,7 @@ def assert_equal_to_cantor(C, triples):
         assert all(formulas.sum_of(a, b) == total for formulas in every), (a, b)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("name", "model", "with_h"), genus_two_rows(SMALL))
 def test_every_pair_of_a_small_group(name, model, with_h):
     rng = Random(f"{name} {model} {with_h}")

@@ -45,7 +45,7 @@ def test_every_pair_of_a_small_group(p, curve):
         assert all(kernel.sum_of(a, b) == total for kernel in every), (a, b)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("model", ["ramified", "split"])
 @pytest.mark.parametrize("p", PRIMES)
 def test_special_classes(p, model):
@@ -87,6 +87,7 @@ def test_which_classes_are_special(curve, monkeypatch):
     assert asked == [1]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("p", [7, 13])
 def test_ladders_through_every_multiple_of_a_class(p):
     """All m up to beyond the order: every ladder meets 0, equal and opposite classes on its way."""

@@ -51,7 +51,7 @@ def assert_equal(C, triples):
         assert nucomp.sum_of(C, a, b) == cantor.sum_of(C, a, b), (a, b)
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("genus", GENERA)
 @pytest.mark.parametrize("field", ["GF(7)", "GF(2^61-1)"])

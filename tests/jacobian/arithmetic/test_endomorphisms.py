@@ -30,6 +30,7 @@ def curve(name):
     return HyperellipticCurve(QQ, *CURVES[name][:2])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", CURVES)
 def test_known_algebras(name):
     C = curve(name)

@@ -149,7 +149,7 @@ def test_genus_3_by_points_over_two_fields_below_500(seed):
     check_points(C, L, rng.choice(L.p[(L.p > 62) & (L.p < 110)].tolist()), (3,))
 
 
-@pytest.mark.parametrize("every", [8, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [19, pytest.param(1, marks=pytest.mark.slow)])
 def test_torsion_divides_all_orders(every):
     """For published curves, and for two with known classes of order 5 and 7; torsion injects at odd primes."""
     rows = [row for row in PUBLISHED if "torsion" in row]
@@ -181,6 +181,7 @@ def test_all_published_curves():
 # --- the forest, walks and matrices
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("g", [1, 2, 3, 4, pytest.param(6, marks=pytest.mark.slow)])
 def test_matrices_are_those_of_the_power(g):
     """Compared with coefficients of F^((p−1)/2), for blocks of any size: one walk, or many trees."""
@@ -205,20 +206,21 @@ def test_matrices_are_the_transposed_ones_of_cartier_and_manin():
         assert matrix.T.tolist() == C.change_ring(GF(p)).cartier_manin()
 
 
-def test_large_primes_by_a_forest_and_by_one_walk(monkeypatch):
+@pytest.mark.parametrize("bound", [15_000, pytest.param(30_000, marks=pytest.mark.slow)])
+def test_large_primes_by_a_forest_and_by_one_walk(monkeypatch, bound):
     C = HyperellipticCurve(QQ, [7, 0, -3, 1, 0, 2, 5])
-    walked = C.l_polynomials(30_000)
+    walked = C.l_polynomials(bound)
     monkeypatch.setattr(forest, "WALKED_TO", 1 << 10)
     monkeypatch.setattr(forest, "BLOCK", 1 << 9)
     monkeypatch.setattr(residues, "PART", 50)
-    assert (C.l_polynomials(30_000).coefficients == walked.coefficients).all()
+    assert (C.l_polynomials(bound).coefficients == walked.coefficients).all()
 
 
 class Killed(Exception):
     pass
 
 
-@pytest.mark.parametrize("after", [pytest.param(60, marks=pytest.mark.slow), 400, 1500])
+@pytest.mark.parametrize("after", [400, *(pytest.param(x, marks=pytest.mark.slow) for x in (60, 1500))])
 def test_a_run_that_is_killed_goes_on(monkeypatch, tmp_path, after):
     """It goes on from the last saved state, with trees and without, to the same result."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"
@@ -305,6 +307,7 @@ def test_many_curves_on_an_executor():
         next(of_curves(curves, 300, "processes"))
 
 
+@pytest.mark.slow
 def test_many_curves_on_a_cluster_of_dask():
     distributed = pytest.importorskip("distributed")
     curves = [HyperellipticCurve(QQ, f, h) for f, h in EVERY_DAY[3:6]]

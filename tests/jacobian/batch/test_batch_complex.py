@@ -138,6 +138,7 @@ def neighbour(precise, point, step):
     return x2, (root if abs(root - y - h / 2) < abs(root + y + h / 2) else -root) - h2 / 2
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["complex quintic with h", "complex sextic with h", "real sextic"])
 def test_rows_near_special_ones(name):
     """Points that approach those of the other summand, or their opposites, by powers of 10: no digits are lost."""

@@ -42,7 +42,7 @@ def test_all_twists_come_out():
     assert len(found) == 10
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("bits", "degree"), [(64, 5), (128, 5), (256, 5), (64, 7), (128, 7)])
 def test_orders_at_cryptographic_sizes(bits, degree):
     p = next_prime(2**bits, 1, 2 * degree)

@@ -44,7 +44,7 @@ def obeys_weil(chi, q):
     return bool(np.all(np.abs(np.abs(roots) / q**0.5 - 1) < 1e-3))
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("p", "k", "genus", "model", "with_h"), COUNTED)
 def test_the_search_agrees_with_counting(p, k, genus, model, with_h):
     for seed in range(2):

@@ -135,6 +135,7 @@ def test_curves_with_complex_multiplication(p, degree):
     assert search(C) == complex_multiplication.frobenius_polynomial(C)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("p", "genus", "model"), [(10**9 + 7, 2, "split"), (10**9 + 7, 3, "ramified"), (10**10 + 19, 1, "inert")]
 )
@@ -188,6 +189,7 @@ def test_progress_is_logged(caplog, monkeypatch):
     assert all("s left" in text for text in said)
 
 
+@pytest.mark.slow
 def test_a_first_order_says_nothing_of_the_hours_that_compilation_seemed_to_show(tmp_path):
     """While numba compiled for seven seconds, the progress line used to predict "0 % done, about 2879 s left"."""
     asked = "from jacobian import *; print(HyperellipticCurve(GF(10**7 + 19), [1, -1, 0, 0, 0, 1]).jacobian().order())"

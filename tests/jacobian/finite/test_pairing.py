@@ -105,7 +105,7 @@ def test_tate_is_the_weil_pairing_with_frobenius_minus_one(p, m):
         assert J.tate_pairing(D, F, m) == J.weil_pairing(D, E, m)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("q", "genus", "model"),
     [

@@ -132,7 +132,7 @@ def classes(row):
     return found
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("row", EXACT_ROWS, ids=str)
 def test_sums_equal_the_exact_ones(row, K):
@@ -176,7 +176,7 @@ def test_branch_points_double_to_zero(genus, K):
     assert_equal(half, exact.from_points([(x, 0) for x in roots[genus + 1 :]]), 1e3)
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("row", EXACT_ROWS, ids=str)
 def test_associativity_to_rounding(row):
     J, rng = rounded(MP(30), row.curve), Random(f"associativity {row}")

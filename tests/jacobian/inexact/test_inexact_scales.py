@@ -104,7 +104,7 @@ def scaled(K, f, x, y):
     return [K.shift(c, 2 * y - x * i) for i, c in enumerate(f)]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("genus", [2, 3, 4, 5, 6])
 def test_powers_of_two_change_no_bit(genus, K):

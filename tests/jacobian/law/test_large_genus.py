@@ -17,7 +17,7 @@ SMALL = {
 }
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SMALL)
 def test_sums_of_places_are_uniform(name, monkeypatch):
     """The method of large genus on groups that can be counted: χ² within five standard deviations."""

@@ -131,6 +131,7 @@ def test_many_conjugate_points(f, rng):
     assert J.from_points(points, extension=L) == total
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("row", FINITE)
 def test_many_equal_points_are_a_multiple(row, rng):
     """Compared with sums of two points at a time, which are sums in the group on every model."""

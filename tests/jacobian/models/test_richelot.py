@@ -26,7 +26,7 @@ def curves(K, count, rng, dependent=False):
             yield C
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("K", [GF(3), GF(5), GF(101), GF(7, 2), GF(2**61 - 1)], ids=lambda K: K.name)
 def test_isogenies_are_homomorphisms_with_a_dual(K):
     rng, models = Random(3), set()

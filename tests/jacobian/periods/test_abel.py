@@ -161,7 +161,7 @@ def _random_map(K, genus, degree, with_h):
     return AbelMap(C), rng
 
 
-@pytest.mark.thinned(7)
+@pytest.mark.thinned(11)
 @pytest.mark.parametrize(("K", "genus", "degree", "with_h"), list(_table()))
 def test_the_map_and_its_inverse(K, genus, degree, with_h):
     A, rng = _random_map(K, genus, degree, with_h)

@@ -77,7 +77,7 @@ def frozen(rows):
     return [(tuple(f), tuple(h)) for f, h in rows]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("f", "h"), frozen(GENUS_2))
 def test_zeta_is_odd_and_its_slopes_are_wp(f, h):
     K = functions(f, h)
@@ -93,7 +93,7 @@ def test_zeta_is_odd_and_its_slopes_are_wp(f, h):
     assert all(abs(a + b) < 1e-36 for a, b in zip(zeta, K.zeta(minus), strict=True))
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(("f", "h"), frozen(GENUS_2))
 def test_zeta_has_the_periods_of_the_second_kind(f, h):
     K, n = functions(f, h), (1, -2, 0, 3)

@@ -105,7 +105,7 @@ FAR_FROM_POINTS = [
 ]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("f", "h", "invariants"), FAR_FROM_POINTS)
 def test_groups_far_from_small_points(f, h, invariants):
     torsion = HyperellipticCurve(QQ, f, h).jacobian().rational_torsion(height=1)
