@@ -24,7 +24,7 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
 
-# in floats a λ_k has several correct digits if it exceeds this fraction of the terms of which it is the sum
+# in floats a λ_k has about ten correct digits if it exceeds this fraction of the terms of which it is the sum
 ORDINARY = 1e-6
 
 
