@@ -80,7 +80,7 @@ def test_against_forty_digits() -> None:
     assert np.abs(path.q[[0, 77]] - truth.q.astype(float)).max() < 1e-15
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", FLOWS)
 def test_wrong_phases_and_signs_are_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     flow = FLOWS[name]()

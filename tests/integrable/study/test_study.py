@@ -987,7 +987,7 @@ def test_an_orbit_over_the_reals_is_held_against_its_floor(tmp_path):
     method.
     """
     path = tmp_path / "orbit.toml"
-    path.write_text(ORBIT, encoding="utf-8")
+    path.write_text(ORBIT.replace("count = 12", "count = 4"), encoding="utf-8")
     study = study_of([str(path)], out=tmp_path / "out", quick=True, formats=(), jobs=1)
     (found,) = study.findings
     row = found.judged

@@ -57,7 +57,7 @@ def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
         assert abs(scaled / setup.time_scale - tau) < 1e-15
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("ball", "start", "tilted"),
     [

@@ -45,7 +45,7 @@ def test_every_pair_of_a_small_group(p, curve):
         assert all(kernel.sum_of(a, b) == total for kernel in every), (a, b)
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(7)
 @pytest.mark.parametrize("model", ["ramified", "split"])
 @pytest.mark.parametrize("p", PRIMES)
 def test_special_classes(p, model):
