@@ -277,9 +277,9 @@ class CurveTranslation(Step):
         return K.div(K.mul(mu, x), below)
 
     def _time(self, k: int, curve: EllipticOval, mu: Real) -> Real:
-        """The time, in long numbers, in which the motion on curve k adds its point.
+        """The time, in long numbers, for which motion along curve k is the addition of ``multiple`` times its point.
 
-        It is multiple·∫dZ/Y from the point's Z to ∞; a positive sheet is a negative time.
+        It is ∓multiple·∫dZ/|Y| from the point's Z to ∞, with the upper sign for a point with Y > 0.
         """
         x, K = self.points[k], curve.field
         if x is None:

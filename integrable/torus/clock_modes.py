@@ -132,11 +132,12 @@ def clock_series(
     loud: Row,
     pace: Row,
 ) -> tuple[float, float, float, float]:
-    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``. Returns a bound
-    of |S|; −(sum of all modes at the start); −(sum of the quiet modes there); (mean of the samples)/(mean of 1/g).
+    """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``.
 
-    ``given`` are the turns of both phases per unit of τ, the mean of 1/g and 2π; and the periods of 1/g. ``loud`` and
-    ``pace`` are filled for :class:`integrable.torus.clock_loops.Clock`.
+    Returns four numbers: a bound of |S|; minus the sum of all modes at the start, which makes S vanish there; the same
+    for the quiet modes alone; and the mean of the samples of 1/g divided by the true mean, which is 1 up to rounding.
+    ``given`` has the numbers (turns of phase 1 and of phase 2 per unit of τ, mean of 1/g, 2π), then the periods of 1/g
+    in both phases, in turns. ``loud`` and ``pace`` are filled for :class:`integrable.torus.clock_loops.Clock`.
     """
     columns, (turns, doubled) = grid[1], given
     nu1, nu2, mean = turns[0], turns[1], turns[2]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# a length or a lift above this has the unit 1, a smaller one the largest power of two up to it
+# a quantity above this is counted in the unit 1; a smaller one in the largest power of two that does not exceed it
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
 # the larger one, and |γ × M|² is more than APART·|M|²

@@ -21,7 +21,8 @@ from jacobian.numbers.sums import joined, plus_product
 POINTS, MOST_STEPS, FARTHEST = 3, 100, 1e3
 # a torus is accepted if no lift at the start, a pair (σ, ν), differs from the given one by more than CLOSED of its size
 CLOSED = 1e-18
-# if an oval of length 0 was given a small length, lifts of the start below this fraction of the largest come from it
+# where an oval is a double root, the two roots are moved slightly apart. The move adds to the lifts of the start; lifts
+# below this fraction of the largest may consist of this addition alone
 SMALLEST = 2.0**-40
 # the equations of motion are checked at CHECKED points, by difference quotients between AROUND points that are STEP
 # turns of the faster phase apart. Their error is about (2π·STEP·(the highest harmonic))⁴

@@ -70,8 +70,10 @@ def _split(curve: Any, *summands: Triple) -> Triple:
 
 
 def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Total, Number]:
-    """The reduced sum of zero, one or two pairs, and the largest relative remainder; ``infinity``: the sum of their
-    leans, and the phase.
+    """The reduced sum of zero, one or two pairs, and the largest relative remainder of its divisions.
+
+    ``infinity`` has the sum of the leans of the pairs (:mod:`jacobian.inexact.at_infinity`), and the direction in ℂ of
+    the value of y + h/2 at ∞₊.
     """
     rest = field.zero
     if len(pairs) == 2:
