@@ -286,7 +286,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return h1, h2
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
-        """The result of :meth:`Motion._off` for the rows whose integrals differ from those of the start.
+        """Overrides :meth:`Motion._off`: a row is off the motion if its H1 or H2 differs from that of the start.
 
         Near a separatrix, and for bodies that need more digits, an addition can lose every digit. Its result is then
         off the level set.

@@ -160,7 +160,7 @@ class SymmetricFlow:
         """The phase θ = π·n + x at physical times, as (n, x) with n whole and |x| ≤ π/2."""
         N = self.numbers
         whole, rest = N.turns_of(times, self._rate, self._start)
-        # G is odd and increasing, so that |G(cos θ)| ≤ G(1)
+        # the function G of :meth:`_lean` is odd and increasing, so that |G(cos θ)| ≤ G(1)
         farthest = abs(self._kepler) * self._lean(1 + 0 * self._root_mu)
         low, high = rest - farthest, rest + farthest
         y = rest.copy()

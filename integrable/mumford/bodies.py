@@ -52,7 +52,8 @@ STEP = 0.5
 class BodyFlow(MumfordFlow):
     """The motion of a body from a state. On a separatrix it is computed only at times near the start.
 
-    At each time τ is computed first, from a Fourier series of t(τ), or from quadratures on a separatrix.
+    The flow computes τ at a given time from a Fourier series of t(τ), on a separatrix from quadratures, and then the
+    state at τ.
     """
 
     system: BodySystem

@@ -33,9 +33,10 @@ class Orders(NamedTuple):
 
 
 class Side(NamedTuple):
-    """The left or the right factors of the products in a vector of ``width`` numbers. In units of this width, ``place``
-    is the position of their coefficients in memory, and ``apart`` the distance between orders. ``shared``: these are
-    coefficients of variables, which are stored anyway.
+    """The left or the right factors of ``width`` products that are computed together, as the entries of one vector.
+
+    The coefficients of order 0 of all factors are the vector number ``place`` in memory; those of each next order are
+    ``apart`` vectors further. ``shared``: the factors are variables, whose coefficients are stored anyway.
     """
 
     factors: tuple[int, ...]

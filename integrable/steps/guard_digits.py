@@ -188,7 +188,9 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 
 def _without_dust(field: Any, image: State) -> State:
-    """The image with components of the size of the perturbation set to 0, so that it is a rotation about an axis."""
+    """The image of a perturbed state (:func:`_nudged`), with 0 for the components that are not 0 only because of the
+    perturbation. So it is a rotation about an axis.
+    """
     sizes = field.one, max(map(abs, image.vectors[1]))
     row = [
         x if abs(x) > field.eps**2 * size else field.zero

@@ -30,8 +30,8 @@ POINTS = 1.8
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# floats would lose digits of τ in a mode with which τ oscillates by LOUD·(least dt/dτ)/(mean dt/dτ) or more, so that
-# double-doubles sum it. The unit is the time in which the body turns by about a radian
+# a mode is loud, and is summed in double-doubles, if its amplitude in τ is LOUD·(least dt/dτ)/(mean dt/dτ) or more;
+# floats would lose digits of τ in it. Amplitudes are in units of the time in which the body turns by about a radian
 LOUD = 0.05
 # the error of a spectrum is at most SLOW times the frequency of a phase, since slow modes are divided by their
 # frequencies, but EXTENDED at best. Modes below ROUNDING times the largest, which rounding may have made, are left out

@@ -164,7 +164,9 @@ def hilbert(a: int, b: int, p: int) -> int:
 
 
 def _compare(p: int, L: Sequence[int], geometric: int, rational: Sequence[Integers]) -> None:
-    """Raises PrecisionLoss if L_p excludes the rank ``geometric`` over ℂ or the endomorphisms ``rational``."""
+    """Raises PrecisionLoss if L_p shows that the endomorphism ring over ℂ has a rank below ``geometric``, or that
+    ``rational`` are not endomorphisms over QQ.
+    """
     from flint import fmpz_mat
 
     if geometric > _endomorphisms_of(_power(L, ROOTS_OF_UNITY)) or len(rational) > _endomorphisms_of(_power(L, 1)):

@@ -36,7 +36,7 @@ class BallCover(BranchedCover):
             self.lead = self.coefficients[-1]
             self.roots = ball_roots(self.numbers, real, imaginary)
             for e, other in combinations(self.roots, 2):
-                # at this distance decisions made in doubles are right
+                # edges of the tree and signs of roots are chosen in doubles, which this distance makes unambiguous
                 if not 2**30 * (e.rad() + other.rad()) < abs(e - other):
                     if self.real and real.gcd(real.derivative()).degree() > 0:
                         raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
@@ -60,7 +60,10 @@ class BallCover(BranchedCover):
         return [numbers.widened(x, size * cosh**m) for m, x in enumerate(self._means(others, n, count))]
 
     def _moments_from_ends(self, others: Vector, count: int) -> Vector:
-        """The same as ∫_{−1}^0 − ∫_1^0, each integral in pieces: for edges with branch points near to their ends."""
+        """The integrals of :meth:`_moments`, as those from −1 to 0 minus those from 1 to 0, each computed in pieces.
+
+        This is for edges with another branch point near one of their ends.
+        """
         numbers = self.numbers
         roots = [numbers.convert(-1), numbers.convert(1), *others]
         right = sum(1 for u in others if u.real > 0)

@@ -124,7 +124,10 @@ class BranchedCover:
         return Edge(i, j, integrals, (start, end))
 
     def _moments(self, others: Vector, count: int) -> Vector:
-        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < ``count``; ``others``: the u_k."""
+        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < ``count``, with the signs of :meth:`edge`.
+
+        ``others`` are the u_k.
+        """
         n = self.numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8))
         return self._means(others, n, count)
 
