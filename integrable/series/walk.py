@@ -408,7 +408,8 @@ def largest(layout: Layout, room: Array, begin: int, k: int) -> float:
 
 def reach(bounds: Bounds, layout: Layout, room: Array, lane: int) -> float:
     """The longest step for which four terms of a walk's series meet the bounds: the last two terms, and the first two
-    of those whose coefficients are floats. The memory has the ratios of these coefficients to the size of the variables.
+    of those whose coefficients are floats. The memory has the ratios of these coefficients to the size of the
+    variables.
 
     0 if a ratio is not finite, or if all ratios underflow to 0. FARTHEST if the motion is exactly linear in time.
     """
