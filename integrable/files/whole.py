@@ -6,6 +6,7 @@ import errno
 import io
 import secrets
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +15,7 @@ from typing import Any
 from jacobian.element import File
 from jacobian.errors import ArgumentError, names_a_file, shown
 
-__all__ = ["Patient", "reason", "replacing", "said", "target_of", "whole_file"]
+__all__ = ["Patient", "discarded", "reason", "replacing", "said", "target_of", "whole_file"]
 
 FULL = {
     errno.ENOSPC: "the disk is full",
@@ -22,6 +23,8 @@ FULL = {
     errno.EFBIG: "the file would be larger than the limit that the system sets (ulimit -f)",
 }
 """The meanings of the system's errors for lack of disk space."""
+# seconds before each attempt to remove a folder; a write of zarr's that is under way takes milliseconds
+PAUSES = (0.0, 0.05, 0.2)
 
 
 def target_of(path: File, wanted: str, argument: str = "path") -> Path:
@@ -62,9 +65,18 @@ def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
             temporary.replace(target)
     finally:
         if temporary.is_dir():
-            shutil.rmtree(temporary, ignore_errors=True)
+            discarded(temporary)
         else:
             temporary.unlink(missing_ok=True)
+
+
+def discarded(folder: Path) -> None:
+    """Removes a folder in which writing has failed. After an error zarr's other threads may still write, and would make
+    the folder again, so it is removed repeatedly.
+    """
+    for pause in PAUSES:
+        time.sleep(pause)
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager

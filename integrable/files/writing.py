@@ -53,7 +53,7 @@ def _is_a_store(folder: Path) -> bool:
 def _netcdf(frame: Frame, path: Path) -> None:
     content = io.BytesIO()
     dataset(frame).to_netcdf(content, engine="h5netcdf")
-    path.write_bytes(content.getbuffer())
+    path.write_bytes(content.getvalue())
 
 
 def _zarr(frame: Frame, path: Path) -> None:
@@ -71,7 +71,7 @@ def _hdf5(frame: Frame, path: Path) -> None:
             made.attrs.update(column.attributes())
             made.attrs["dimensions"] = " ".join(column.dims)
         scaled(file, frame.columns)
-    path.write_bytes(content.getbuffer())
+    path.write_bytes(content.getvalue())
 
 
 def scaled(file: Any, columns: dict[str, Column]) -> None:

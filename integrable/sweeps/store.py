@@ -23,7 +23,7 @@ from integrable.ensembles.members import AT, Contents
 from integrable.extras import needed
 from integrable.files.frame import Column
 from integrable.files.quantities import reasons_text, status_column
-from integrable.files.whole import Patient, replacing, said, target_of
+from integrable.files.whole import Patient, discarded, replacing, said, target_of
 from integrable.files.writing import scaled
 from jacobian.element import File
 from jacobian.errors import ArgumentError, shown
@@ -115,7 +115,7 @@ class Store:
         """Releases the folder, and removes it if it holds nothing from which a sweep could resume."""
         self._lock.release()
         if self._own and not self.done:
-            shutil.rmtree(self.folder, ignore_errors=True)
+            discarded(self.folder)
 
     def put(self, chunk: int, rows: np.ndarray, found: Outcome) -> None:
         """Writes the states of a chunk, of shape (k, N, C), then enters the chunk in the journal."""
@@ -288,7 +288,7 @@ class _Hdf5:
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **arrays)
         with replacing(self._part(chunk)) as temporary:
-            temporary.write_bytes(content.getbuffer())
+            temporary.write_bytes(content.getvalue())
 
     def status(self, chunk: int) -> np.ndarray | None:
         """The status of each row of a chunk, None where one of its arrays cannot be read."""

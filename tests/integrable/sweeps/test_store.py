@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from integrable import EulerTop, ensemble, sweep
+from integrable.files import whole
 from integrable.sweeps.sweep import SweepStopped
 from jacobian import ArgumentError
 from tests.integrable.sweeps.test_sweep import SUFFIXES, Dead, needs_hdf5, read
@@ -62,6 +63,19 @@ def test_a_limit_of_the_size_of_files_is_one_error(suffix, limits, kept, tmp_pat
     assert lines[1::2] == ["False"] * (len(limits) - kept) + ["True"] * kept
     np.testing.assert_array_equal(read(out)[0]["gamma"], MANY.at(TIMES).gamma)
     assert [item.name for item in tmp_path.iterdir()] == [out.name]
+
+
+def test_a_folder_that_a_late_write_makes_again_is_removed(tmp_path, monkeypatch):
+    """One failed sweep in twenty left its folder: zarr's threads still wrote after the first error."""
+    late = tmp_path / ".out.part"
+
+    def written(seconds):
+        if seconds < max(whole.PAUSES):
+            (late / "states").mkdir(parents=True, exist_ok=True)
+
+    monkeypatch.setattr(whole.time, "sleep", written)
+    whole.discarded(late)
+    assert not late.exists()
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
