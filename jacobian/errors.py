@@ -234,7 +234,7 @@ def written(number: Any) -> str:
 
 
 def _digits(n: int) -> str:
-    # since log₂ 10 > 3.3, this int has at most SHOWN digits
+    # since log₂ 10 > 3.3, an int of fewer than 3.3·SHOWN bits has at most SHOWN digits
     if n.bit_length() < 3.3 * SHOWN:
         return str(n)
     from gmpy2 import mpz

@@ -83,7 +83,7 @@ class WordKernel:
         self._pointed, self._size = (K, curve), 8 * ROWS * (4 * g + 8)
         self._room, self._split, self._middle = bytearray(self._size), C.model == "split", 4 + g
         self._result = Struct(f"{width(g)}q")
-        # the struct at index k packs k words, one or two classes, and pads them to the width of a result
+        # the struct at index k packs the k words of one or two classes, padded to the width of a result
         self._structs = [Struct(f"{count}q{8 * max(0, width(g) - count)}x") for count in range(6 + 2 * (2 * g + 1) + 1)]
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:

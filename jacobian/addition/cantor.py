@@ -59,7 +59,10 @@ def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: P
 
 
 def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
-    """Replaces d = gcd(u₁, u₂) by gcd(d, trace), trace = v₁+v₂+h; returns it with the matching k of :func:`compose`."""
+    """The d and k of :func:`compose`, if gcd(u₁, u₂) is not 1.
+
+    The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) as ``k``, and the second divisor (u₂, v₂).
+    """
     K = C.field
     common, t = half_xgcd(K, d, trace)
     if not t:

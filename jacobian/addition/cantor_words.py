@@ -202,9 +202,9 @@ def _without(K: Any, S: Any, r: Any, u: Any, nu: Any, d: Any, nd: Any) -> Any:
 
 
 def _common_part(K: Any, curve: Any, S: Any, nd: Any, sum_of_v: Any, nk: Any, divisor: Any) -> Any:
-    """Replaces d and k (rows 7 and 9) as :func:`jacobian.addition.cantor._common_part` does; returns their lengths.
+    """Replaces d and k, in S[7] and S[9], as :func:`jacobian.addition.cantor._common_part` does; returns their lengths.
 
-    In the tuples, each polynomial is followed by its length.
+    ``sum_of_v`` (v₁+v₂+h) and ``divisor`` (u₂, v₂) are tuples in which each polynomial is followed by its length.
     """
     (trace, nt), (u, nu, v, nv) = sum_of_v, divisor
     d, k, common, t, r, other = S[7], S[9], S[11], S[12], S[13], S[14]
@@ -248,7 +248,10 @@ def negate_class(K: Any, curve: Any, S: Any, first: Any, result: Any) -> Any:
 
 
 def _close(K: Any, curve: Any, S: Any, first: Any, second: Any, nk: Any, weights: Any, result: Any) -> Any:
-    """Sets result to the reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9."""
+    """Sets result to the reduced class of (u₁u₂, v + u₂·(k mod u₁), weights − ⌈g/2⌉).
+
+    The polynomial k is in S[9], with ``nk`` coefficients. ``first`` has u₁, ``second`` u₂ and v, each with its length.
+    """
     (u1, n1), (u2, n2, v, nv) = first, second
     k, u, total = S[9], S[15], S[16]
     _, nk = _divide(K, S[6], k, nk, u1, n1)
@@ -261,7 +264,7 @@ def _close(K: Any, curve: Any, S: Any, first: Any, second: Any, nk: Any, weights
 
 
 def _reduce(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any, result: Any) -> Any:
-    """result = the reduced class of (u, v, n), u and v in rows 15 and 16."""
+    """result = the reduced class of (u, v, n); the polynomials u and v are in S[15] and S[16]."""
     g, split = curve[0], curve[1]
     u, v, part = S[15], S[16], S[10]
     while nu - 1 > g + split:
@@ -283,7 +286,9 @@ def _reduce(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any, result: Any) -
 
 
 def _reflect(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any) -> Any:
-    """Applies :func:`jacobian.addition.cantor.reflect` to rows 15 and 16; returns the new lengths and weight."""
+    """Applies :func:`jacobian.addition.cantor.reflect` to the polynomials u and v in S[15] and S[16]. Returns their new
+    lengths and the new weight.
+    """
     _, _, h, nh = equation(curve)
     u, v, other = S[15], S[16], S[13]
     size = curve[0] + 1

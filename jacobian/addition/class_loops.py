@@ -29,12 +29,14 @@ ROWS = ODD + 8
 
 
 def sum_of(K: Any, C: Any, first: Any, second: Any) -> Any:
-    """Adds two classes of words: (True, the sum), or (False, ``first``) if the explicit formulas do not apply."""
+    """Adds two classes, given as tuples of words. Returns (True, the sum), or (False, ``first``) if the explicit
+    formulas do not apply.
+    """
     return from_quotient(K, C, STEPS[type(C)].chord(K, C, first, second), first, second)
 
 
 def double_of(K: Any, C: Any, first: Any) -> Any:
-    """Doubles a class of words; returns a pair as :func:`sum_of` does."""
+    """Doubles a class, given as a tuple of words; returns a pair as :func:`sum_of` does."""
     return from_quotient(K, C, STEPS[type(C)].tangent(K, C, first), first, first)
 
 
@@ -47,7 +49,9 @@ def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any
 
 
 def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
-    """Returns (u, v, valid) as residues; ``valid`` means that the formulas applied and that v has degree g − 1."""
+    """Returns (u, v, valid): the class ``found``, with u and v as residues, and whether it is correct and v has degree
+    g − 1. ``general``: whether the formulas applied.
+    """
     u, v = STEPS[type(C)].decoded(K, C, found)
     return u, v, general and v[len(v) - 1] != 0
 
@@ -139,7 +143,9 @@ def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes ``found``, of deg u = g and hence n = 0, into an array of :mod:`jacobian.addition.cantor_words`."""
+    """Writes the class ``found``, a tuple of words of weight g (so that n = 0), to ``result``, an array as in
+    :mod:`jacobian.addition.cantor_words`.
+    """
     place = g + 2
     for x in found:
         result[place] = x

@@ -45,7 +45,9 @@ class OnInts:
         return f"{text(x, SUM)} {SIGNS[name]} {text(y, SUM if name == 'add' else PRODUCT)}", SUM
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text ``found`` of a factor or a ``result``, reduced unless it is a factor of degree 1."""
+        """The text ``found`` for use as a factor or a ``result``. It gets a % p, except as a factor in which no product
+        is left unreduced (degree 1).
+        """
         if self.degrees.get(index, 1) == 1 and not result:
             return found
         self.degrees[index] = 1
@@ -147,7 +149,8 @@ def _function(
 
 @cache
 def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) -> str:
-    """The text of a function ``made`` that returns (sum_of, double) for one curve, as methods.
+    """The text of a function ``made``, which returns two functions (sum_of, double) of one curve. Both are methods:
+    their first parameter is ``self``.
 
     ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The arguments of ``made`` are the
     curve, the weight of the results, what the style needs, and the other coefficients.

@@ -92,7 +92,7 @@ def sum_u_of_degree_5(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
     """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
     (_, s, w4, w5), (a1, a0, b1, _), (c1, c0, _, _) = cubic, first, second
     turned = s + (a1 - c1) + C.h2 * w4
-    # for a tangent with h₂ = 0 the general formula is shorter: turned = s, c₁ = a₁ and c₀ = a₀
+    # in a doubling with h₂ = 0, turned = s, c₁ = a₁ and c₀ = a₀, so that only s² remains of the general formula
     bow = s * s if second is first and not C.h2 else (s - c1) * turned + s * a1 + (a0 - c0)
     return s + turned - C.f5 * w5, bow + (b1 + b1 + C.h1) * w4 + (C.f5 * (a1 + c1) - C.f4) * w5
 

@@ -135,8 +135,9 @@ def search(K: Any, sign: int, rows: int, desk: Any) -> int:
 def baby_steps(K: Any, rows: int, desk: Any) -> Any:
     """Writes the baby steps 0, −pD, −2pD, … and their hash table; returns their number and the size of the table.
 
-    The step after the last is written to class 6. The number of steps is about the square root of the number of
-    candidates. If the order of pD is smaller than this number, the steps are a full cycle, and the giant step is 0.
+    The step after the last is the giant step; it is written to ``desk.classes[6]``. The number of steps is about the
+    square root of the number of candidates. If the order of pD is smaller than this number, the steps are all multiples
+    of pD, and the giant step is 0.
     """
     classes, table, total, baby, size = desk.classes, desk.table, 0, 1, 4
     for s in range(rows):

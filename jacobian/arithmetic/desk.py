@@ -37,8 +37,9 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """Writes the curve y² = G(t) of x_0 and classes 0, 1 and 2 on it. Returns 1 if it is isomorphic to y² = F(x), −1 if
-    to the quadratic twist, 0 if F(x_0) = 0.
+    """Writes the curve y² = G(t) of x_0 to ``desk.curve``, and its classes p·D, p²·D and c·D to ``desk.classes[:3]``.
+
+    Returns 1 if the curve is isomorphic to y² = F(x), −1 if it is isomorphic to the quadratic twist, 0 if F(x_0) = 0.
     """
     value = model_at(K, x0, desk)
     if value == 0:
@@ -105,7 +106,7 @@ def set_class(K: Any, g: int, n: int, a: Any) -> None:
 
 
 def multiply(K: Any, desk: Any, m: int, base: Any, result: Any) -> None:
-    """result = m·base, by the non-adjacent form of m; classes 4 and 5 are overwritten."""
+    """result = m·base, by the non-adjacent form of m; overwrites ``desk.classes[4]`` and ``desk.classes[5]``."""
     g, square, opposite = desk.curve[0], desk.classes[4], desk.classes[5]
     set_class(K, g, (g + 1) // 2, result)
     copy(base, square)
@@ -150,8 +151,8 @@ def sextic(curve: Any) -> Any:
 
 
 def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
-    """Whether the explicit formulas of genus 2 apply; if so, ``result`` is set to the sum. ``quotient`` is the line or
-    tangent computed by them, ``lines`` the coefficients (u_1, u_0, v_1, v_0) of both summands.
+    """Whether the explicit formulas of genus 2 apply; if so, sets ``result`` to the sum. ``quotient`` is what ``chord``
+    or ``tangent`` of :mod:`jacobian.addition.genus2` returned, ``lines`` the (u_1, u_0, v_1, v_0) of both summands.
     """
     C, multiple = sextic(curve), STEPS[Sextic].product(K, sextic(curve), quotient)
     if multiple == 0:

@@ -95,10 +95,11 @@ def algebra(basis: Sequence[Integers]) -> Algebra:
 
 
 def _product_of_fields(matrices: Sequence[Any]) -> str:
-    """The name of a commutative algebra as a product of fields: those of the factors of a generator's minimal
-    polynomial.
+    """The name of a commutative algebra as a product of fields, one for each irreducible factor of the minimal
+    polynomial of a generator.
 
-    Of the small combinations that generate the algebra, one with the least discriminant is taken.
+    The generator is a combination of ``matrices`` with small coefficients. Its minimal polynomial has the least
+    discriminant among all such generators.
     """
     generators = []
     for c in product(range(-2, 3) if len(matrices) < 5 else range(-1, 2), repeat=len(matrices)):

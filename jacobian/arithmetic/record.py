@@ -94,7 +94,7 @@ class LPolynomials:
     # --- for other programs
 
     def columns(self) -> dict[str, Any]:
-        """p, a1, …, ag by name."""
+        """The dictionary of the columns: the array of the primes as "p", the arrays of the a_i as "a1", …, "ag"."""
         return {"p": self.p, **{f"a{i}": self.coefficients[:, i - 1] for i in range(1, self.curve.genus + 1)}}
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -110,7 +110,9 @@ class LPolynomials:
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
     def to_parquet(self, path: File) -> None:
-        """Writes Parquet as in :meth:`columns`, curve, bound and bad primes as metadata; needs pyarrow (extra io)."""
+        """Writes the :meth:`columns` as a Parquet file, with curve, bound and bad primes as its metadata; needs pyarrow
+        (the extra io).
+        """
         parquet, arrow = _needed("pyarrow.parquet"), _needed("pyarrow")
         said = {"curve": repr(self.curve), "bound": str(self.bound), "bad": " ".join(map(str, self.bad))}
         parquet.write_table(arrow.table(self.columns()).replace_schema_metadata(said), str(path_of(path)))

@@ -55,8 +55,10 @@ def exceptions(F: Sequence[int], g: int) -> int:
 
 
 class Place(NamedTuple):
-    """The progress of a run over all primes: ``done`` primes, and for each translate the window at the beginning of the
-    first incomplete tree, that of block ``block`` (:mod:`jacobian.arithmetic.forest`).
+    """The progress of a run over all primes. The first ``done`` primes are finished.
+
+    The next tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``; ``windows`` has the window at
+    its beginning, for each translate of F.
     """
 
     done: int = 0

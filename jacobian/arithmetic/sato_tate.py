@@ -58,7 +58,8 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group, and ``probability``, that of means at least as far from the expected ones if this is the curve's group.
+    """A group, and the ``probability`` of means at least as far from the expected ones as those of the curve, if this
+    is the curve's group.
 
     ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """
@@ -221,9 +222,11 @@ def moments_of_groups(most: int = 8) -> dict[str, list[int]]:
 
 
 def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
-    """The quantities whose means are compared, (N, …), at N values of (a_1, a_2).
+    """The quantities whose means are compared, (N, …), at N values of (a_1, a_2): the products in EXPONENTS, ``even``,
+    and for each number in ATOMS whether a_2 has this value and ``atom`` is true.
 
-    ``even``: where the component has a_1 = 0; ``atom``: where it may also have a single value of a_2.
+    For a group, ``even``, (N,), says whether a_1 = 0 on the whole component, and ``atom``, (N,), whether the component
+    has a single value of (a_1, a_2). For a curve, both say whether a_1 = 0.
     """
     columns = [a1**i * a2**j for i, j in EXPONENTS[genus]]
     return np.stack([*columns, even, *(atom & (np.abs(a2 - c) < 1e-9) for c in ATOMS)], axis=1).astype(float)
@@ -272,7 +275,7 @@ def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
 
 
 def _square(off: Any, covariance: Any, count: int, root: float) -> float:
-    """χ² of means over ``count`` primes that are ``off`` from the expected ones; ``root``: the mean of 1/√p."""
+    """χ² of means at ``count`` primes. ``off``: their deviations from the expected ones; ``root``: the mean of 1/√p."""
     slack = SLACK * np.sqrt(np.diag(covariance)) + 1e-6
     # the integer a_1 may be 0 by chance, with a probability of the order of 1/√p
     slack[-len(ATOMS) - 1 :] += RARE * root
@@ -280,7 +283,7 @@ def _square(off: Any, covariance: Any, count: int, root: float) -> float:
 
 
 def _telling(genus: int, first: str, other: str) -> int:
-    """About how many primes separate the group ``other`` from ``first`` by χ² = APART; 0 if none does."""
+    """About how many primes separate the group ``other`` from ``first`` by χ² = APART; 0 if even 10⁸ primes do not."""
     (a, _), (b, covariance) = _expected(genus, first), _expected(genus, other)
     count = 100
     while first != other and count < 10**8:

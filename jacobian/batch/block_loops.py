@@ -2,9 +2,10 @@
 
 A row of a DivisorArray is a column here: ``x[i, j]`` is the i-th coordinate (u₀ … u_{g−1}, v₀ … v_{g−1}) of row j. Thus
 the same coordinate of neighbouring rows lies in neighbouring words, and LLVM can vectorise the loops. A block of BLOCK
-rows goes through short loops: the first halves of the sums; Montgomery's simultaneous inversion (1987), in CHAINS
-independent chains; the second halves. Rows that are not general (a weight below g, a product that vanishes) take part
-in the inversion with a 1 and are reported to the caller. Equal summands are doubled in the same pass.
+rows goes through short loops: the first halves of the sums, up to the product to be inverted; Montgomery's
+simultaneous inversion (1987), in CHAINS independent chains; the second halves. Rows that are not general (a weight
+below g, a product that vanishes) take part in the inversion with a 1 and are reported to the caller. Equal summands are
+doubled in the same pass.
 
 All arrays of a block are parts of one scratch array at constant offsets, so that the compiler sees that they do not
 overlap. The loops are the same for every kind of words (:mod:`jacobian.batch.libraries`), and run in Python unchanged.
@@ -127,8 +128,8 @@ def keep_tangent(K: Any, C: Any, S: Any, j: Any) -> None:
 
 
 def all_general(S: Any, g: Any, first: Any, second: Any, start: Any, size: Any) -> Any:
-    """Whether every row of a block has weight g in both summands and a product ≠ 0, computed without a branch for each
-    row.
+    """Whether in every row of a block both summands have weight g and the product to be inverted is not 0. The loop has
+    no branches.
     """
     special = 0
     for j in range(size):
@@ -172,7 +173,7 @@ def invert_products(K: Any, S: Any) -> None:
 
 
 def finish(K: Any, C: Any, S: Any, second: Any, out: Any, start: Any, size: Any) -> None:
-    """Writes the sums of a block to ``out``, from the first halves and their products."""
+    """Writes the sums of a block to ``out``, from the quotients and products that :func:`keep_quotient` stored."""
     for j in range(size, BLOCK):
         S[PRODUCT + j] = K.one
     invert_products(K, S)

@@ -71,7 +71,7 @@ class CompiledRows(StoredRows):
         return elements
 
     def bits(self, words: Any) -> Any:
-        """The array of words, floats viewed as integers, for loops that only copy numbers."""
+        """``words`` for loops that only copy numbers: an array of floats is viewed as integers with the same bits."""
         return words.view(np.int64) if self.floats else words
 
     def of_memory(self, words: Any) -> Any:

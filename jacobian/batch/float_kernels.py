@@ -24,9 +24,9 @@ NOISE = 2.0**-40
 GIVEN_NOISE = 2.0**-32
 # summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
-# a sum has a point far out or at infinity if p² − q²f, whose roots are the abscissae of the summands and of the sum,
-# has a small leading coefficient: l1² in genus2_real, where |l1| must exceed FLATTEST_CHORD. In genus2_complex the
-# coefficient itself must exceed FLATTEST. In both, p = q·V + L·U, and the largest coefficient of q and L is about 1
+# the roots of p² − q²f are the abscissae of the summands and of the sum; p = q·V + L·U, and the largest coefficient of
+# q and L = l1·x + l0 is about 1. If the leading coefficient of p² − q²f is small, the sum has a point far out or at
+# infinity. In genus2_real it is l1², and |l1| must exceed FLATTEST_CHORD; in genus2_complex it must exceed FLATTEST
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
 # f at the smallest abscissa of the summands, and its leading term at the largest one, must be at least this fraction of
@@ -53,7 +53,7 @@ def shift(half: Any, u0: Any, u1: Any) -> Any:
 
 
 def scaled(half: Any, units: Any, columns: Any, i: Any) -> Any:
-    """Divisor i on y² = f + h²/4 in the units of the kernel. ``half`` is h/2, ``units`` the inverse units."""
+    """Divisor i on y² = f + h²/4 in the units of the kernel. ``half`` is h/2, ``units`` the factors to these units."""
     u0, u1 = columns[0, i], columns[1, i]
     t0, t1 = shift(half, u0, u1)
     return u0 * units[0], u1 * units[1], (columns[2, i] + t0) * units[2], (columns[3, i] + t1) * units[3]
