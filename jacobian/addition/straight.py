@@ -163,10 +163,11 @@ def _saves_products(*numbers: Any) -> bool:
 class Formulas(NamedTuple):
     """The explicit formulas of one model: the genus, the coefficients of the curve that they use, and their steps.
 
-    ``chord`` and ``tangent`` map the coefficients C and one or two classes to a quotient, ``opposite`` maps a class to
-    its negative. ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``, ``quotient``,
-    ``inverse`` (of the result "product"), or results of earlier steps. The results "u" and "v" make up
-    the sum (*u, *v).
+    ``chord`` maps the coefficients C and two classes to a quotient, ``tangent`` C and one class: the resultant r and the
+    coefficients of r·s for the curve y = V + U·s through both classes. ``opposite`` maps a class to its negative.
+
+    ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``, ``quotient``, ``inverse``
+    (of the result "product"), or results of earlier steps. The results "u" and "v" make up the sum (*u, *v).
     """
 
     genus: int
@@ -187,7 +188,7 @@ class Formulas(NamedTuple):
         return self.closed(C, quotient, None, first, second)
 
     def closed(self, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> tuple[Any, ...]:
-        """The sum from its quotient and the inverse of the product; the inverse is computed if it is None."""
+        """The sum of two classes from their quotient and the ``inverse`` of "product", which is computed if it is None."""
         found = {"C": C, "quotient": quotient, "inverse": inverse, "first": first, "second": second}
         for name, step in self.steps:
             if name != "product" or inverse is None:

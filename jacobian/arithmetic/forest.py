@@ -9,8 +9,8 @@ product of the integer matrices M(k) ⋯ M(1) of the recurrence and (0, …, 0, 
 integers up to the largest prime are divided into blocks. For each block its window, that at its first integer, is
 computed modulo the product of the primes in the block.
 
-Eight blocks form a product tree of their matrices. From the products and the window at the beginning of the tree it
-gives the windows of its blocks, and the window at the beginning of the next tree, modulo the primes of all later trees.
+Eight blocks form a product tree of their matrices. These products and the window at the beginning of the tree give the
+windows of its blocks, and the window at the beginning of the next tree, modulo the primes of all later trees.
 For each p the window is then advanced from the beginning of the block to p, modulo p (:mod:`jacobian.arithmetic.walk`);
 this is faster than smaller blocks.
 

@@ -116,8 +116,8 @@ class Group(NamedTuple):
 class Room(NamedTuple):
     """The memory of a walk: the coefficients c_k of a round (``states``) and the inverses of its k (``reciprocals``).
 
-    For each group of primes: ``product``, that of these k; ``power``, its inverse; ``run``, the product of the k of all
-    rounds.
+    For each row of LANES primes: ``product``, the product of the k of the round; ``power``, its inverse; ``run``, the
+    product of the k of all rounds.
     """
 
     states: Any
@@ -129,7 +129,7 @@ class Room(NamedTuple):
 
 def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
     """Walks to k = ends[n] for each n in turn. At each end it writes the last coefficients to ``out`` and the product
-    of all k to ``total``, for all lanes of the group of prime n. ``shape`` = (start, d, count, translates).
+    of all k to ``total``, for the LANES primes of which prime n is one. ``shape`` = (start, d, count, translates).
     """
     start, d, count, translates = shape
     states, groups = room.states, len(group.primes)

@@ -198,7 +198,7 @@ class FloatRows:
 
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
         nothing = self.zero(len(x))
-        # 0·x has no class if x has none
+        # 0·x is the identity, except for lost rows of x, which stay lost
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
         if isinstance(scalars, int):
             return multiple(scalars, x, self.add, self.double, self.negate, nothing)

@@ -35,7 +35,8 @@ LADDER = 1 << 12
 @dataclass(frozen=True, slots=True)
 class Rows:
     """N classes: ``data`` (2g, N) holds u₀ … u_{g−1}, v₀ … v_{g−1} in words, ``degree`` (N,) deg u, and ``weight`` (N,)
-    the weight n at ∞₊; ``weight`` is (0,) where n is None."""
+    the weight n at ∞₊; ``weight`` is (0,) where n is None.
+    """
 
     data: Any
     degree: Any
@@ -294,7 +295,7 @@ class StoredRows:
         return found
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """Writes −x to rows begin to end of ``out``; on split models of odd genus Cantor's algorithm replaces this."""
+        """Writes −x to the rows of ``out`` from begin to end. Not for split models of odd genus, which need a reduction."""
         first = self.view(x.data), x.degree
         self._run.negate_rows(self._packed_words, self._h, first, self.view(out.data), (begin, end), self._room())
         self._negate_weights(x, out, begin, end)

@@ -125,7 +125,8 @@ class CurveQuestions(Immutable, Generic[Element]):
 
     def hasse_witt_matrices(self, bound: int) -> tuple[np.ndarray, np.ndarray]:
         """(p, W) for a curve over QQ: odd primes of good reduction up to ``bound``, (N,), and W_p modulo p, (N, g, g),
-        with L_p(T) ≡ det(1 − T·W_p). :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` omits some primes.
+        with L_p(T) ≡ det(1 − T·W_p). A few primes are left out:
+        :func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices` says which.
         """
         return self.jacobian().hasse_witt_matrices(bound)
 
