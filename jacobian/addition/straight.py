@@ -163,8 +163,9 @@ def _saves_products(*numbers: Any) -> bool:
 class Formulas(NamedTuple):
     """The explicit formulas of one model: the genus, the coefficients of the curve that they use, and their steps.
 
-    ``chord`` maps the coefficients C and two classes to a quotient, ``tangent`` C and one class: the resultant r and the
-    coefficients of r·s for the curve y = V + U·s through both classes. ``opposite`` maps a class to its negative.
+    ``chord`` maps the coefficients C and two classes to a quotient, ``tangent`` maps C and one class to it. A quotient is
+    the resultant r and the coefficients of r·s, where y = V + U·s is the curve through both classes (for ``tangent``,
+    the curve tangent at the class). ``opposite`` maps C and a class to the negative of the class.
 
     ``steps`` are pairs: the name of a result, and its function of C, ``first``, ``second``, ``quotient``, ``inverse``
     (of the result "product"), or results of earlier steps. The results "u" and "v" make up the sum (*u, *v).
@@ -188,7 +189,7 @@ class Formulas(NamedTuple):
         return self.closed(C, quotient, None, first, second)
 
     def closed(self, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> tuple[Any, ...]:
-        """The sum of two classes from their quotient and the ``inverse`` of "product", which is computed if it is None."""
+        """The sum of two classes from their quotient and the ``inverse`` of "product", computed here if it is None."""
         found = {"C": C, "quotient": quotient, "inverse": inverse, "first": first, "second": second}
         for name, step in self.steps:
             if name != "product" or inverse is None:
