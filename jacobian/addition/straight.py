@@ -163,7 +163,7 @@ def _saves_products(*numbers: Any) -> bool:
 class Formulas(NamedTuple):
     """The explicit formulas of one model: the genus, the coefficients of the curve that they use, and their steps.
 
-    ``chord`` maps the coefficients C and two classes to a quotient, ``tangent`` maps C and one class to it. A quotient is
+    ``chord`` returns a quotient for the coefficients C and two classes, ``tangent`` for C and one class. A quotient is
     the resultant r and the coefficients of r·s, where y = V + U·s is the curve through both classes (for ``tangent``,
     the curve tangent at the class). ``opposite`` maps C and a class to the negative of the class.
 

@@ -57,8 +57,8 @@ def exceptions(F: Sequence[int], g: int) -> int:
 class Place(NamedTuple):
     """The progress of a run over all primes. The first ``done`` primes are finished.
 
-    The next tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``; ``windows`` has the window at
-    its beginning, for each translate of F.
+    The first unfinished tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``. ``windows`` has
+    the window at the beginning of this tree, for each translate of F.
     """
 
     done: int = 0

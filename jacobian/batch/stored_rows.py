@@ -295,7 +295,7 @@ class StoredRows:
         return found
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """Writes −x to the rows of ``out`` from begin to end. Split models of odd genus need another method."""
+        """Writes −x to the rows of ``out`` from begin to end; not valid on split models of odd genus."""
         first = self.view(x.data), x.degree
         self._run.negate_rows(self._packed_words, self._h, first, self.view(out.data), (begin, end), self._room())
         self._negate_weights(x, out, begin, end)
