@@ -48,7 +48,7 @@ class Products:
         self.progress: Progress | None = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
 
     def last(self, start: int, count: int) -> list[int]:
-        """The coefficients of x^(p−1), …, x^(p−count); ``start`` is the coefficient of x^0."""
+        """The coefficients of x^(p−1), …, x^(p−count) in F^((p−1)/2); ``start`` is the coefficient of x^0."""
         p, beta = self.p, self.beta
         window = np.zeros(max(self.d, count))
         window[0] = balanced(-start, p)

@@ -1,4 +1,4 @@
-"""Invariants of a curve over a finite field modulo p: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
+"""Invariants modulo p of a curve over a finite field: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def p_rank(C: HyperellipticCurve) -> int:
-    """The number of roots of χ that are units modulo p, χ being the characteristic polynomial of Frobenius."""
+    """The number of roots of χ that are p-adic units, χ being the characteristic polynomial of Frobenius."""
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")

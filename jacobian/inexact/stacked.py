@@ -149,7 +149,7 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
 def _monic_quotient(
     field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Number, int]:
-    """(p² − q²f)/(U·U') made monic, its relative remainder, and the lean; ``both`` is U·U'."""
+    """(p² − q²f)/(U·U') made monic, its relative remainder, and the lean (:class:`Total`); ``both`` is U·U'."""
     psi, lean = product(p, p), 0
     terms = size(psi)
     if q:
@@ -162,7 +162,9 @@ def _monic_quotient(
 
 
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
-    """The change of the lean by a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
+    """The change of the lean (:class:`Total`) by a function y − w that vanishes at infinity.
+
+    ``lead`` is the leading coefficient of w.
 
     ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
     """
