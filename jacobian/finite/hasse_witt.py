@@ -72,7 +72,7 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]]:
     """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f."""
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
-    # with 2y + h for y the equation is y² = F; the curve and χ are the same
+    # in the coordinates x and 2y + h the curve is y² = F; Frobenius has the same characteristic polynomial
     F = C.discriminant
     limit = PRODUCTS_TO if len(F) <= PRODUCTS_DEGREE + 1 else WORD_SAFE
     if COMPILED_FROM < K.order == p < limit and not interpreted():

@@ -29,7 +29,9 @@ MEMORY = 3 << 30
 
 
 class Products:
-    """The products for one polynomial F, F(0) ≠ 0, over GF(p), p < 2^49: ``ratios`` are f_i/f_0, i = 1 … d.
+    """The products of the matrices M(k) for one polynomial F over GF(p), p < 2^49, F(0) ≠ 0.
+
+    ``ratios`` are f_i/f_0, i = 1 … d.
 
     ``part`` = (i, g) says that F is the i-th of g polynomials: the log shows the progress of all.
     """

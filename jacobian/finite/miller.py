@@ -66,9 +66,10 @@ def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
 
 
 def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
-    """(Z of m·P, numerator of f(Q), its denominator); ``bits``: the bits of m after the first. Z = 0 means m·P = 0.
+    """(Z, numerator, denominator): the Jacobian coordinate Z of m·P, 0 if m·P = 0, and Miller's function of P at Q.
 
-    The numerator or the denominator is 0 where a line of the loop passes through Q.
+    ``bits`` are the bits of m after the first. The numerator or the denominator is 0 where a line of the loop passes
+    through Q.
     """
     (x, y), over, under = Q, K.one, K.one
     T = P[0], P[1], K.one

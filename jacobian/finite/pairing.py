@@ -165,7 +165,7 @@ def _affine(S: Divisor, R: Divisor) -> tuple[Divisor, Divisor]:
 
 
 def _quotient_at(J: Any, functions: tuple[Divisor, Divisor], at: tuple[Divisor, Divisor], m: int) -> Any:
-    """f(A − B) for div f = m(S − R), (S, R) and (A, B) affine of equal degrees."""
+    """f(A − B) for div f = m(S − R): ``functions`` = (S, R) and ``at`` = (A, B), affine of equal degrees."""
     K = J.field
     (a, b), (c, d) = (_values(J, S, at, m) for S in functions)
     return K.div(K.mul(a, d), K.mul(b, c))

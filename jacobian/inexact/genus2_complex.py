@@ -36,8 +36,8 @@ def phase(z: Number) -> Number:
 def add(f: Seven, first: Four, second: Four) -> tuple[Four, Number]:
     """(D + D', the leading coefficient of p² − q²f) for D = (u0, u1, v0, v1), U = x² + u1·x + u0 and V = v1·x + v0.
 
-    p = q·V + L·U with the largest of |q| and the coefficients of L equal to 1. Where the leading coefficient is small,
-    D + D' has a point with large |x| or at infinity.
+    q·y − p with p = q·V + L·U, L linear, vanishes on D and D'; the largest of q and the coefficients of L has size 1.
+    Where the leading coefficient is small, D + D' has a point with large |x| or at infinity.
     """
     u0, u1, v0, v1 = first
     s0, s1 = second[0], second[1]
@@ -73,11 +73,12 @@ def remainder(
 
 
 def chord(f: Seven, first: Four, second: Four) -> tuple[Number, Number, Number]:
-    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0.
 
-    Here W = (f − V²)/U. Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U'
-    as the denominator. The two solutions are averaged with the squared resultants as weights. Where both resultants are
-    small (opposite points) the system of both congruences is solved by reflections.
+    The largest of q, l1 and l0 has size 1, and W = (f − V²)/U. Each congruence L·A ≡ q·R is solved by itself, L = q·R/A
+    mod U', with the resultant of A and U' as the denominator. The two solutions are averaged with the squared
+    resultants as weights. Where both resultants are small (opposite points) the system of both congruences is solved by
+    reflections.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second

@@ -44,11 +44,12 @@ def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real
 
 
 def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
-    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0.
 
-    Here W = (f − V²)/U. Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U'
-    as the denominator. The two solutions are averaged with the squared resultants as weights. Where both resultants are
-    small (opposite points) the system of both congruences is solved by reflections.
+    The largest of q, l1 and l0 has size 1, and W = (f − V²)/U. Each congruence L·A ≡ q·R is solved by itself, L = q·R/A
+    mod U', with the resultant of A and U' as the denominator. The two solutions are averaged with the squared
+    resultants as weights. Where both resultants are small (opposite points) the system of both congruences is solved by
+    reflections.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
