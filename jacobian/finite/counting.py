@@ -1,9 +1,9 @@
 """The number of points of a curve over small fields, and the Frobenius polynomial that follows from it.
 
-In odd characteristic an x is the abscissa of two points if h(x)² + 4f(x) is a non-zero square, of one if it is 0. Over
-fields of up to 2^20 elements tables of logarithms tell the squares. Over GF(q^i), q an odd prime, the norm to GF(q)
-tells them from 4096 elements on, up to 10^7. In characteristic 2, x is the abscissa of one point if h(x) = 0, and of
-two if h(x) ≠ 0 and the trace of f(x)/h(x)² is 0.
+In odd characteristic x is the abscissa of one point if h(x)² + 4f(x) = 0, and of two if this number is a non-zero
+square. Over fields of up to 2^20 elements tables of logarithms tell the squares. Over GF(q^i), q an odd prime, the norm
+to GF(q) tells them from 4096 elements on, up to 10^7. In characteristic 2, x is the abscissa of one point if h(x) = 0,
+and of two if h(x) ≠ 0 and the trace of f(x)/h(x)² is 0.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 A pair (u, v) with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition
 adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class D in
-general position has g points and the lean −1. Cantor's steps reduce a sum of two such classes to g + 1 points with the
-lean −2. The opposite of a class is g points with the lean 1. Let P be the polynomial part of √f at ∞₊. A step with
-y + P leads from g + 1 points with the lean −2 to g points with the lean −1, and a step with y − P leads there from g
-points with the lean 1 (Galbraith, Harrison and Mireles Morales 2008).
+general position is represented by g points with the lean −1. Cantor's steps reduce a sum of two such classes to g + 1
+points with the lean −2. The opposite of a class is represented by g points with the lean 1. Let P be the polynomial
+part of √f at ∞₊. A step with y + P turns the g + 1 points of a sum into g points with the lean −1, and a step with
+y − P does so with the g points of an opposite (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations
