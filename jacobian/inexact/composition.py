@@ -177,7 +177,7 @@ class Plain:
         self._clear = field.eps**0.5
 
     def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
-        """False if |x| is at least √ε of ``scale``; otherwise PrecisionLoss, because x may be only rounding."""
+        """False if |x| ≥ √ε·``scale``; otherwise PrecisionLoss, because x may be only rounding."""
         if abs(x) >= self._clear * scale:
             return False
         raise PrecisionLoss("not clear of noise")
