@@ -67,15 +67,15 @@ class Jacobian(FiniteGroup[Element]):
             self._adopt(kernel(model, self._adopt))
 
     def _adopt(self, chosen: Kernel) -> None:
-        """Adds with this kernel from now on. The first kernel calls this function with a compiled one to replace it."""
+        """Makes the group add with this kernel from now on. A kernel in Python thus hands over to a compiled one."""
         for name, function in zip(("_sum_of", "_double", "_multiple"), chosen, strict=True):
             object.__setattr__(self, name, function)
 
     def compile(self) -> None:
-        """Adds with compiled code from now on, if there is any for the field (:mod:`jacobian.addition.choice`).
+        """Makes the group add with compiled code from now on, if the field has any.
 
-        Compilation happens automatically after some work; this method compiles now. After ``python -m
-        jacobian compile`` the wait is about a second.
+        Compilation happens automatically after some work; this method compiles now. After ``python -m jacobian
+        compile`` the wait is about a second (:mod:`jacobian.addition.choice`).
         """
         chosen = compiled_kernel(self._model) if self.field.exact else None
         if chosen is not None:
@@ -345,7 +345,11 @@ class Jacobian(FiniteGroup[Element]):
         return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
 
     def _remainder(self, m: int, D: Divisor[Element]) -> int:
-        """m > 0; if m is long, its remainder modulo the order of D over QQ, and of the group if this is small."""
+        """An integer r with r·D = m·D, for m > 0: m itself, or, if m is long, a remainder of m.
+
+        Over QQ it is the remainder modulo the order of D, and Infeasible is raised for a D of infinite order. Over a
+        finite field it is the remainder modulo the order of the group, if the group is small.
+        """
         q, bits = self.field.order, m.bit_length()
         if q is None and bits > LONG_OVER_Q:
             order = D.order()

@@ -38,7 +38,7 @@ class InexactField(OperatorField[Element]):
         return x
 
     def _convert(self, value: Any, argument: str) -> Element:
-        """The element nearest to a number, perhaps infinite or NaN; any error for anything else."""
+        """The element nearest to a number, perhaps infinite or NaN. Other values raise an exception of any class."""
         raise NotImplementedError
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:

@@ -18,7 +18,7 @@ MOST_WORK = 10**10
 
 
 def is_irreducible(K: PrimeField, m: poly.Poly) -> bool:
-    """Whether m is irreducible over K: by Rabin's test (1980) in low degree, where loading flint takes longer."""
+    """Whether m is irreducible over K, by flint, or, in low degree, by Rabin's test (1980) without loading flint."""
     degree = len(m) - 1
     if degree > LOW_DEGREE:
         return bool(prime_ring(K.p)(list(m)).is_irreducible())
@@ -36,7 +36,7 @@ def is_irreducible(K: PrimeField, m: poly.Poly) -> bool:
 def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
     """The default modulus: galois's Conway polynomial, or the first irreducible polynomial where its table has none.
 
-    Infeasible for k > MOST_DEGREE, and where the search would take minutes.
+    Raises Infeasible if k > MOST_DEGREE, or if the search would take minutes.
     """
     if k > MOST_DEGREE:
         raise Infeasible(

@@ -41,7 +41,7 @@ class MultiprecisionField(InexactField[Mpf]):
         self.name = f"MP({dps}, complex=True)" if complex else f"MP({dps})"
         self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
         self._type = self.context.mpc if complex else self.context.mpf
-        # the base class of the mpf of every context
+        # the common base class of the mpf classes of all contexts
         self._reals: Any = _mpf
         self._made: Any = from_man_exp
         self._rounded: Any = mpf_pos
@@ -130,7 +130,7 @@ class MultiprecisionField(InexactField[Mpf]):
         return self.context.ldexp(random_below(rng, 1 << bits), 2 - bits) - 2
 
     def key(self, x: Mpf) -> Hashable:
-        """The sign, mantissa, exponent and bits as plain numbers, which do not belong to a context."""
+        """The sign, mantissa, exponent and length of the mantissa in bits; these numbers belong to no context."""
         result: Hashable = x._mpc_ if self.complex else x._mpf_
         return result
 

@@ -55,7 +55,7 @@ class RationalField(OperatorField[Fraction]):
 
 
 def primitive(numbers: Sequence[Fraction]) -> list[int]:
-    """The integers without a common divisor that are proportional to rational numbers, with a positive factor."""
+    """The integers without a common divisor that are the given rational numbers times one positive factor."""
     factor = lcm(*(x.denominator for x in numbers))
     found = [int(x * factor) for x in numbers]
     return [x // gcd(*found) for x in found]

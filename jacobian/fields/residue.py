@@ -11,7 +11,7 @@ from jacobian.fields.finite import FiniteField, FiniteFieldOf
 
 
 class ResidueField(FiniteFieldOf[poly.Poly]):
-    """K[x]/(P): the field of the abscissas x with P(x) = 0."""
+    """K[x]/(P), the extension of K by a root of P. A point over a root of P has its abscissa in this field."""
 
     zero: poly.Poly = ()
 

@@ -40,7 +40,7 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
         # a is an ℓ-th power and a square in GF(p²), so the curve is a quotient of the Hermitian curve, hence maximal
         return [comb(g, k // 2) * p ** (g - k // 2) * (1 - k % 2) for k in range(2 * g + 1)]
     if all(pow(p, i, degree) != 1 for i in range(1, degree - 1)):
-        # x → x^ℓ is bijective on GF(p^i) for all i < 2g
+        # x → x^ℓ is bijective on GF(p^i) for all i < 2g, so the curve has p^i + 1 points over this field
         return [p**g, *[0] * (2 * g - 1), 1]
     if p % degree != 1:
         return None

@@ -1,8 +1,9 @@
 """The number of points of a curve over small fields, and the Frobenius polynomial that follows from it.
 
-Over x there are two points if h² + 4f is a non-zero square, one if it is 0. Over GF(q^i) of up to 2^20 elements tables
-of logarithms decide this. If q is an odd prime, so does the norm of h² + 4f to GF(q), for up to 10^7 elements. In
-characteristic 2 there is one point if h = 0, and two if the trace of f/h² is 0.
+In odd characteristic x is the abscissa of one point if h(x)² + 4f(x) = 0, and of two if this number is a non-zero
+square. Over fields of up to 2^20 elements tables of logarithms tell the squares. Over GF(q^i), q an odd prime, the norm
+to GF(q) tells them from 4096 elements on, up to 10^7. In characteristic 2, x is the abscissa of one point if h(x) = 0,
+and of two if h(x) ≠ 0 and the trace of f(x)/h(x)² is 0.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ def _values(L: TableField, a: poly.Poly) -> Any:
 
 
 def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
-    """The polynomial ``a`` over the larger field L; the generator of K is mapped to a root of its modulus."""
+    """The polynomial ``a`` over the larger field L; the generator of K is mapped to a root of the modulus of K."""
     if K is L or K.degree == 1:
         return a
     root = int((_values(L, K.modulus) == 0).argmax())

@@ -47,7 +47,7 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
 
 
 def by_pari(C: HyperellipticCurve) -> list[int] | None:
-    """The polynomial χ by PARI's ``ellap``, which is proven, in genus 1 over GF(p), p from PARI_FROM to PARI_TO.
+    """The characteristic polynomial by PARI's ``ellap``, proven, in genus 1 over GF(p), p from PARI_FROM to PARI_TO.
 
     None for other curves, without cypari, and off the main thread, the only one in which cypari runs.
 

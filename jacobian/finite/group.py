@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class FiniteGroup(GroupLaw[Element]):
-    """Base of :class:`jacobian.group.Jacobian`."""
+    """Base of :class:`jacobian.group.Jacobian`: the methods for orders, structure, logarithms and pairings."""
 
     def _own(self, D: object, argument: str) -> Divisor[Element]:
-        """D, if it is a class of this group; ArgumentError unless it is a Divisor, CurveMismatch in another group."""
+        """D, a class of this group; ArgumentError if D is no Divisor, CurveMismatch if D belongs to another group."""
         own = check_divisor(D, argument)
         if own.jacobian != self:
             raise CurveMismatch(f"{argument} = {shown(D)} does not lie in the {self!r}")

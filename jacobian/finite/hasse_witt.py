@@ -1,11 +1,11 @@
 """The characteristic polynomial of Frobenius modulo p, from the Cartier–Manin matrix (odd characteristic).
 
 For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). Over
-extension fields and for small p python-flint raises F to that power. For larger p a linear recurrence in the
-index is used (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives the
-coefficients with i = 1 in O(g·p) operations, or, over GF(p) with p > 2^20, in Õ(√p) by
-:mod:`jacobian.finite.matrix_products`. The coefficients of g translates F(x + a) determine the matrix (Harvey and
-Sutherland 2016).
+extension fields and for small p python-flint raises F to that power. For larger p the coefficients of the power
+follow from each other by a linear recurrence (Bostan, Gaudry and Schost 2007). The recurrence divides by the exponent
+of x, and so ends before x^p. It gives the coefficients with i = 1 in O(g·p) operations, or, over GF(p) with p > 2^20,
+in Õ(√p) by :mod:`jacobian.finite.matrix_products`. The coefficients with i = 1 of g translates F(x + a) determine the
+matrix (Harvey and Sutherland 2016).
 """
 
 from __future__ import annotations
@@ -60,7 +60,8 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
 def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
     """A curve isomorphic to C whose F has a root at infinity, if F has a rational root, else C.
 
-    Then the matrices, whose size is deg F, are smaller.
+    With a root at infinity F has the degree 2g + 1 in place of 2g + 2. This degree is the size of the matrices of
+    :mod:`jacobian.finite.matrix_products`.
     """
     K, F = C.field, C.discriminant
     zeros = roots(K, F) if len(F) == 2 * C.genus + 3 else []
@@ -71,7 +72,7 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]]:
     """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f."""
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
-    # with 2y + h for y the equation is y² = F; the curve and χ are the same
+    # in the coordinates x and 2y + h the curve is y² = F; Frobenius has the same characteristic polynomial
     F = C.discriminant
     limit = PRODUCTS_TO if len(F) <= PRODUCTS_DEGREE + 1 else WORD_SAFE
     if COMPILED_FROM < K.order == p < limit and not interpreted():
@@ -137,9 +138,10 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int) -> list[Any]:
 def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
     """Writes the coefficients G_(p−1), G_(p−2), … of G = F^n, n = (p−1)/2, into ``window``; ``ratios``: f_i/f_0, i ≥ 1.
 
-    F·G' = n·F'·G implies k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below
-    2^63. On entry ``window`` is (G_0, 0, …), and ``weights`` are ((n+1)i − k)·f_i/f_0 for k = 0; each step in k
-    subtracts f_i/f_0. ``inverses`` is scratch for a block of 1/k, computed by one inversion (Montgomery 1987).
+    F·G' = n·F'·G implies k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). The sum is kept below 8p², and with one more product
+    below 9p² < 2^63 for p < 2^29. On entry ``window`` is (G_0, 0, …), and ``weights`` are ((n+1)i − k)·f_i/f_0 for
+    k = 0; each step in k subtracts f_i/f_0. ``inverses`` is scratch for a block of 1/k, computed by one inversion
+    (Montgomery 1987).
     """
     start, room = 1, 8 * p * p
     while start < p:

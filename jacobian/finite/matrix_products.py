@@ -29,7 +29,9 @@ MEMORY = 3 << 30
 
 
 class Products:
-    """The products for one polynomial F, F(0) ≠ 0, over GF(p), p < 2^49: ``ratios`` are f_i/f_0, i = 1 … d.
+    """The products of the matrices M(k) for one polynomial F over GF(p), p < 2^49, F(0) ≠ 0.
+
+    ``ratios`` are f_i/f_0, i = 1 … d.
 
     ``part`` = (i, g) says that F is the i-th of g polynomials: the log shows the progress of all.
     """
@@ -48,7 +50,7 @@ class Products:
         self.progress: Progress | None = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
 
     def last(self, start: int, count: int) -> list[int]:
-        """The coefficients of x^(p−1), …, x^(p−count); ``start`` is the coefficient of x^0."""
+        """The coefficients of x^(p−1), …, x^(p−count) in F^((p−1)/2); ``start`` is the coefficient of x^0."""
         p, beta = self.p, self.beta
         window = np.zeros(max(self.d, count))
         window[0] = balanced(-start, p)

@@ -66,9 +66,10 @@ def added(K: Any, cubic: Any, T: Any, P: Any, x: Any, y: Any) -> Any:
 
 
 def function_at(K: Any, cubic: Any, P: Any, Q: Any, bits: Any) -> Any:
-    """(Z of m·P, numerator of f(Q), its denominator); ``bits``: those of m after the first. Z = 0 means m·P = 0.
+    """(Z, numerator, denominator): the Jacobian coordinate Z of m·P, 0 if m·P = 0, and Miller's function of P at Q.
 
-    The numerator or the denominator is 0 where a line of the loop passes through Q.
+    ``bits`` are the bits of m after the first. The numerator or the denominator is 0 where a line of the loop passes
+    through Q.
     """
     (x, y), over, under = Q, K.one, K.one
     T = P[0], P[1], K.one
@@ -100,7 +101,7 @@ def _is_compiled() -> bool:
 
 @cache
 def is_kept() -> bool:
-    """Whether the compiled loop was on disk when this was first asked."""
+    """Whether the compiled loop was on disk when this function was first called."""
     return LIBRARY.is_kept()
 
 
@@ -129,9 +130,9 @@ class EllipticFunctions:
         return self._pair(self._lead * x, self._lead * height)
 
     def __call__(self, D: Divisor, E: Divisor, m: int) -> tuple[bool, int, int]:
-        """(whether m·D = 0, numerator, denominator) of the function of m·D at the point of E; D and E are not 0.
+        """(whether m·D = 0, numerator, denominator) of the value at the point of E of Miller's function for D and m.
 
-        The numerator or the denominator is 0 where another representative of E is needed.
+        D and E are not 0. If the numerator or the denominator is 0, another representative of E is needed.
         """
         bits = [int(bit) for bit in bin(m)[3:]]
         given = self._words, self._cubic, self._point(D), self._point(E)

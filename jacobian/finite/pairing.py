@@ -165,7 +165,7 @@ def _affine(S: Divisor, R: Divisor) -> tuple[Divisor, Divisor]:
 
 
 def _quotient_at(J: Any, functions: tuple[Divisor, Divisor], at: tuple[Divisor, Divisor], m: int) -> Any:
-    """f(A − B) for div f = m(S − R), (S, R) and (A, B) affine of equal degrees."""
+    """f(A − B) for div f = m(S − R): ``functions`` = (S, R) and ``at`` = (A, B), affine of equal degrees."""
     K = J.field
     (a, b), (c, d) = (_values(J, S, at, m) for S in functions)
     return K.div(K.mul(a, d), K.mul(b, c))
@@ -194,8 +194,9 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
 
 
 def _step(law: FlintCantor, composed: Any, places: Any, values: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
-    """The reduced sum, and the ``values`` multiplied by the step's function: (numerator, denominator) modulo the u of
-    each of the ``places`` (u, v), where y = v.
+    """The composed divisor after its reduction, and ``values`` multiplied by the functions of this step.
+
+    ``values`` are pairs (numerator, denominator), one for each of the ``places`` (u, v), modulo u and with y = v.
     """
     *start, cancelled = composed
     total: Any = tuple(start)

@@ -113,8 +113,8 @@ def scaled(P: Any, x: Any, y: Any, out: Any) -> None:
 
 
 def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
-    """S ← M(k_j)·S for the BLOCK matrices S[:, j]. The rows of ``c`` are (n + 1)i·c_i and c_i; ``row`` is scratch of
-    shape (d, BLOCK).
+    """S ← M(k_j)·S for the BLOCK matrices S[:, j]. M(k) has the first row c[0] − k·c[1], k on its subdiagonal, else 0.
+    ``row`` is scratch of shape (d, BLOCK).
     """
     for column in range(d):
         for j in range(BLOCK):
@@ -173,7 +173,7 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
-    """window ← Π M((i + 1)β)·values(iβ)·window, for ``points`` indices i from ``first`` on, in ascending order."""
+    """Multiplies ``window`` by ``values`` at iβ, then by M((i + 1)β), for ``points`` indices i from ``first`` on."""
     d = c.shape[1]
     for i in range(points):
         for r in range(d):
@@ -187,7 +187,7 @@ def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, windo
 
 
 def _turn(P: Any, c: Any, k: Any, window: Any) -> None:
-    """window ← M(k)·window."""
+    """Multiplies ``window`` by the matrix M(k), which the rows of ``c`` define as in :func:`_step`."""
     total = 0.0
     for i in range(len(window)):
         total += P.dot(P.canonical(c[0, i] - P.dot(k, c[1, i])), window[i])
@@ -197,6 +197,6 @@ def _turn(P: Any, c: Any, k: Any, window: Any) -> None:
 
 
 def walk(P: Any, c: Any, begin: Any, end: Any, window: Any) -> None:
-    """window ← M(end − 1)·…·M(begin)·window."""
+    """Multiplies ``window`` by the matrices M(begin), …, M(end − 1), one after the other (:func:`_turn`)."""
     for k in range(begin, end):
         _turn(P, c, P.canonical(P.dot(float(k), 1.0)), window)

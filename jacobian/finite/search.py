@@ -44,8 +44,9 @@ _FEW = 100
 
 @dataclass(frozen=True)
 class Candidates:
-    """The candidates for R: ``known`` are its first coefficients 1, r_1, …; the other coefficients are ≡
-    ``residues`` modulo ``modulus``.
+    """The candidates for the polynomial R of :mod:`jacobian.finite.weil`, lists of its coefficients 1, r_1, … r_g.
+
+    ``known`` are the first coefficients; the others are ≡ ``residues`` modulo ``modulus``.
     """
 
     q: int
@@ -119,8 +120,9 @@ def _congruent(values: range, residue: int, modulus: int) -> range:
 
 
 def _is_weil(r: list[int], q: int) -> bool:
-    """Whether all roots of R are real and at most 2√q in size, with a margin for rounding that never rejects the right
-    R.
+    """Whether all roots of R, the polynomial with the coefficients r, are real and at most 2√q in size.
+
+    A margin for rounding ensures that the right R is never rejected.
     """
     import numpy as np
 
@@ -139,7 +141,7 @@ class Side:
         self._groups: dict[int, PrimaryGroup] = {}
 
     def order(self, r: list[int], q: int) -> int:
-        """R(1 + q) for the curve, ±R(−1 − q) for the twist."""
+        """The order of the Jacobian if R = z^g + r_1 z^(g−1) + …: R(1 + q), for the twist (−1)^g R(−1 − q)."""
         return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
 
     def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:
@@ -212,7 +214,7 @@ def search(C: HyperellipticCurve) -> list[int]:
             D = side.J.random(rng)
             side.learn(D, candidates)
             if effort:
-                # if several orders remain, the order of the known subgroup divides the right one
+                # the order of the known subgroup divides the right order; the exponent alone may allow several orders
                 side.grow(D)
         left = list(islice(candidates.matching(sides), _LONGEST_LIST))
         if len(left) == 1:
@@ -225,7 +227,7 @@ def search(C: HyperellipticCurve) -> list[int]:
 
 
 def _without_factors(candidates: Candidates, sides: tuple[Side, Side], rng: Random) -> list[int] | None:
-    """The only R whose order annihilates random classes, found without factoring; None if several are left."""
+    """The only candidate whose order annihilates random classes; None if several are left. No order is factored."""
     q = candidates.q
     few = sides[0].fitting(sides[0].J.random(rng), candidates)
     if few is None:

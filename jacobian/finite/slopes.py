@@ -1,4 +1,4 @@
-"""Invariants of a curve over a finite field modulo p: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
+"""Invariants modulo p of a curve over a finite field: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def p_rank(C: HyperellipticCurve) -> int:
-    """The number of roots of χ that are units modulo p, χ being the characteristic polynomial of Frobenius."""
+    """The number of roots of χ that are p-adic units, χ being the characteristic polynomial of Frobenius."""
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
@@ -44,7 +44,8 @@ def _two_rank(C: HyperellipticCurve) -> int:
 
 
 def is_supersingular(C: HyperellipticCurve) -> bool:
-    """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ divides the coefficient of
+    """Whether the Newton polygon of the characteristic polynomial of Frobenius over GF(p^k) is the line of slope k/2:
+    p^⌈ik/2⌉ divides the coefficient of
     T^(2g−i) for all i.
 
     In characteristic 2 and genus 1 or 2 the p-rank decides, because it is 0 for no other polygon.

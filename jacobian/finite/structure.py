@@ -70,7 +70,8 @@ class Structure(NamedTuple):
                 raise NotAMultiple(f"D = {shown(D)} is no sum of multiples of the generators")
             for place, c, exponent in zip(places, coordinates, group.exponents, strict=True):
                 part, d = prime**exponent, self.invariants[place]
-                # the generator of the ℓ-part, ℓ = prime, is d/part times the generator of the group
+                # c belongs to exponent/power times D; the generator of the part of order prime^exponent is d/part times
+                # that of the group
                 c = c * pow(self.exponent // power, -1, part) % part
                 found[place] = (found[place] + c * (d // part)) % d
         return tuple(found)

@@ -12,7 +12,10 @@ from jacobian.curve.zeta import power_sums
 
 
 def extend(chi: list[int], q: int, degree: int) -> list[int]:
-    """χ over GF(q^degree) from χ over GF(q): its roots are raised to the power ``degree`` (Newton's identities)."""
+    """The characteristic polynomial of Frobenius over GF(q^degree) from that over GF(q), both ascending.
+
+    The roots are raised to the power ``degree``, by Newton's identities for the sums of their powers.
+    """
     g = len(chi) // 2
     sums = power_sums(chi[::-1], g * degree)
     a = leading([-sums[degree * j] for j in range(1, g + 1)])
@@ -20,13 +23,13 @@ def extend(chi: list[int], q: int, degree: int) -> list[int]:
 
 
 def from_leading(a: list[int], q: int) -> list[int]:
-    """χ, ascending, from 1, a_1 … a_g: χ(T) = T^2g χ(q/T)/q^g."""
+    """All coefficients of χ, ascending, from 1, a_1 … a_g, by the symmetry χ(T) = T^2g χ(q/T)/q^g."""
     g = len(a) - 1
     return [q ** (g - i) * a[i] for i in range(g)] + a[::-1]
 
 
 def real_part(a: list[int], q: int, g: int) -> list[int]:
-    """1, r_1 … r_k from 1, a_1 … a_k, in which a_i = Σ C(g−i+2j, j) q^j r_(i−2j)."""
+    """The coefficients 1, r_1 … r_k of R from those of χ, 1, a_1 … a_k: a_i = Σ C(g−i+2j, j) q^j r_(i−2j)."""
     r: list[int] = []
     for i, c in enumerate(a):
         r.append(c - sum(comb(g - i + 2 * j, j) * q**j * r[i - 2 * j] for j in range(1, i // 2 + 1)))
@@ -41,9 +44,9 @@ def from_real_part(r: list[int], q: int) -> list[int]:
 
 
 def leading(excess: list[int]) -> list[int]:
-    """1, a_1 … a_k from S_i = #C(GF(q^i)) − q^i − 1, i = 1 … k: i·a_i = Σ S_j a_(i−j) (Newton's identities).
+    """The coefficients 1, a_1 … a_k of χ from S_i = #C(GF(q^i)) − q^i − 1, i = 1 … k.
 
-    −S_i is the sum of the i-th powers of the roots of χ.
+    −S_i is the sum of the i-th powers of the roots of χ, so i·a_i = Σ S_j a_(i−j) (Newton's identities).
     """
     a = [1]
     for i in range(1, len(excess) + 1):

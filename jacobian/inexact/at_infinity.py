@@ -2,10 +2,10 @@
 
 A pair (u, v) with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition
 adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class D in
-general position has g points and the lean −1. The sum of two such classes is reduced to g + 1 points with the lean −2;
-−D is represented by g points with the lean 1. Let P be the polynomial part of √f at ∞₊. A reduction step with y + P
-maps the former, and one with y − P the latter, to g points with the lean −1 (Galbraith, Harrison and Mireles Morales
-2008).
+general position is represented by g points with the lean −1. Cantor's steps reduce a sum of two such classes to g + 1
+points with the lean −2. The opposite of a class is represented by g points with the lean 1. Let P be the polynomial
+part of √f at ∞₊. A step with y + P turns the g + 1 points of a sum into g points with the lean −1, and a step with
+y − P does so with the g points of an opposite (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ from jacobian.numbers.roots import root
 
 
 class Infinity(NamedTuple):
-    """The ``lean`` to be added to a sum, and ``plus``, the approximate value of (y + h/2)/x^(g+1) at ∞₊.
-
-    Only the phase of ``plus`` is used.
+    """The argument ``infinity`` of :func:`reduced`. ``lean``: the sum of the leans of the summands, which
+    :mod:`jacobian.inexact.at_infinity` defines; ``plus``: a number with the phase of (y + h/2)/x^(g+1) at ∞₊.
     """
 
     lean: int
@@ -30,7 +29,7 @@ class Infinity(NamedTuple):
 
 
 def lean_of(genus: int, degree: int, n: int) -> int:
-    """The lean of a pair with deg u = ``degree`` and the weight n at ∞₊."""
+    """The lean (:mod:`jacobian.inexact.at_infinity`) of a pair with deg u = ``degree`` and the weight n at ∞₊."""
     return 2 * n + degree - 2 * ((genus + 1) // 2)
 
 

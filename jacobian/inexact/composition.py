@@ -95,7 +95,7 @@ def negated(curve: Any, D: Triple) -> Triple:
 def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Total:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² + h(x)y = f(x) of the given arithmetic genus.
 
-    The p and q of the result belong to y + h/2 in place of y.
+    The result has p and q for which q·(y + h/2) − p(x) vanishes on both summands.
 
     A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued. The sum is then that of
     the generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ takes the same value at both points.
@@ -177,7 +177,7 @@ class Plain:
         self._clear = field.eps**0.5
 
     def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
-        """False if |x| is at least √ε of ``scale``; otherwise PrecisionLoss, because x may be only rounding."""
+        """False if |x| ≥ √ε·``scale``; otherwise PrecisionLoss, because x may be only rounding."""
         if abs(x) >= self._clear * scale:
             return False
         raise PrecisionLoss("not clear of noise")

@@ -80,9 +80,10 @@ def absolute(a: Sequence[Number]) -> Coefficients:
 
 
 def bound(monic: Sequence[Number]) -> Coefficients:
-    """The modulus x^m − Σ |u_i|x^i for a monic u of degree m.
+    """The polynomial b = x^m − Σ |u_i|x^i for a monic u of degree m.
 
-    For a polynomial a, the remainder of Σ |a_i|x^i modulo this one bounds the remainder of a modulo u: nothing cancels.
+    For a polynomial a, the coefficients of Σ |a_i|x^i mod b are bounds for those of a mod u: division by b adds only
+    terms ≥ 0.
     """
     return [-abs(c) for c in monic[:-1]] + [abs(monic[-1])]
 

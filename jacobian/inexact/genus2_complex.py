@@ -36,8 +36,8 @@ def phase(z: Number) -> Number:
 def add(f: Seven, first: Four, second: Four) -> tuple[Four, Number]:
     """(D + D', the leading coefficient of p² − q²f) for D = (u0, u1, v0, v1), U = x² + u1·x + u0 and V = v1·x + v0.
 
-    p = q·V + L·U with the largest of |q| and the coefficients of L equal to 1. Where the leading coefficient is small,
-    D + D' has a point with large |x| or at infinity.
+    q·y − p with p = q·V + L·U, L linear, vanishes on D and D'; the largest of q and the coefficients of L has size 1.
+    Where the leading coefficient is small, D + D' has a point with large |x| or at infinity.
     """
     u0, u1, v0, v1 = first
     s0, s1 = second[0], second[1]
@@ -73,11 +73,12 @@ def remainder(
 
 
 def chord(f: Seven, first: Four, second: Four) -> tuple[Number, Number, Number]:
-    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0.
 
-    Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
-    The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
-    points) the system of both congruences is solved by reflections.
+    The largest of q, l1 and l0 has size 1, and W = (f − V²)/U. Each congruence L·A ≡ q·R is solved by itself, L = q·R/A
+    mod U', with the resultant of A and U' as the denominator. The two solutions are averaged with the squared
+    resultants as weights. Where both resultants are small (opposite points) the system of both congruences is solved by
+    reflections.
     """
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
@@ -137,7 +138,9 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Number, Number, Number]:
 def second_polynomial(
     f: Seven, b0: Number, b1: Number, p: Four, q: Number, l0: Number, first: Four, second: Four
 ) -> tuple[Number, Number]:
-    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
+    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W modulo U'' = x² + b1·x + b0.
+
+    The second congruence holds for each summand (U, V), with W = (f − V²)/U and L = (p − q·V)/U.
 
     The solutions of the three congruences are averaged as in :func:`chord`. If all three are ill-conditioned,
     :func:`tangent_polynomial` computes V''.
@@ -145,14 +148,14 @@ def second_polynomial(
     v0, v1 = first[2], first[3]
     s1, t0, t1 = second[1], second[2], second[3]
     p0, p1, p2, l1 = p
-    # the right-hand side −p modulo U''
+    # the right-hand side −p of q·V'' ≡ −p, modulo U''
     high = p2 - b1 * l1
     r0, r1 = b0 * high - p0, b0 * l1 + b1 * high - p1
-    # the right-hand side L·V − q·W modulo U''
+    # the right-hand side of L·V'' ≡ L·V − q·W modulo U'', with W = (f − V²)/U
     w0, w1, w2, w3 = cofactor(f, first)
     top = -q * f[6]
     r2, r3 = remainder(l0 * v0 - q * w0, l0 * v1 + l1 * v0 - q * w1, l1 * v1 - q * w2, -q * w3, top, b0, b1)
-    # the right-hand side L'·V' − q·W' of the other summand, with L' = (p − q·V')/U'
+    # the right-hand side of L'·V'' ≡ L'·V' − q·W' for the other summand, with L' = (p − q·V')/U'
     weight = 1 / sqrt(max(1, square(t0), square(t1)))
     k0 = p2 - s1 * l1
     w0, w1, w2, w3 = cofactor(f, second)
@@ -209,7 +212,7 @@ def newton_step(
 ) -> tuple[Number, Number]:
     """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
 
-    t is reduced where this equation has more rounding noise than the rows from which (c0, c1) came.
+    V'' = c0 + c1·x. t is reduced where the equation has more rounding noise than the linear system that gave V''.
     """
     sizes = square(c0) + square(c1)
     doubt = noise * (sizes * sizes + square(f[0]) + square(f[1]))
@@ -219,7 +222,7 @@ def newton_step(
     m0, m1 = -b0 * m1, m0 - b1 * m1
     m0, m1 = -b0 * m1, m0 - b1 * m1
     d0, d1 = d0 + m0, d1 + m1
-    # the residual is d − t·J, J = 2·V''·(lean, 1) mod U''
+    # with d = f − V''² mod U'' a step by t leaves d − t·J, J = 2·V''·(lean + x) mod U''
     top = 2 * c1
     j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
     step = (j0.conjugate() * d0 + j1.conjugate() * d1) * (1 / (square(j0) + square(j1) + doubt))
@@ -234,7 +237,7 @@ def retracted(f: Seven, divisor: Four) -> Four:
     u0, u1, v0, v1 = divisor
     w0, w1, w2, w3 = cofactor(f, divisor)
     r0, r1 = f[0] - v0 * v0 - u0 * w0, f[1] - 2 * v0 * v1 - u1 * w0 - u0 * w1
-    # columns of the differential: 2V, 2xV, W, xW modulo U
+    # the differential 2V·δV + W·δU mod U for δV = 1, x and δU = 1, x: 2V, 2xV, W, xW
     a0, a1 = 2 * v0, 2 * v1
     b0, b1 = -u0 * a1, a0 - u1 * a1
     c0, c1 = remainder(w0, w1, w2, w3, f[6], u0, u1)

@@ -44,11 +44,12 @@ def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real
 
 
 def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
-    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0; the largest has size 1.
+    """(q, l1, l0) with L·U ≡ q(V' − V) and L·(V + V') ≡ q·W modulo U', L = l1·x + l0.
 
-    Each congruence L·A ≡ q·R is solved by itself, L = q·R/A mod U', with the resultant of A and U' as the denominator.
-    The two solutions are averaged with the squared resultants as weights. Where both resultants are small (opposite
-    points) the system of both congruences is solved by reflections.
+    The largest of q, l1 and l0 has size 1, and W = (f − V²)/U. Each congruence L·A ≡ q·R is solved by itself, L = q·R/A
+    mod U', with the resultant of A and U' as the denominator. The two solutions are averaged with the squared
+    resultants as weights. Where both resultants are small (opposite points) the system of both congruences is solved by
+    reflections.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
@@ -117,7 +118,9 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
 def second_polynomial(
     f: Six, b0: Real, b1: Real, p: Four, q: Real, l0: Real, first: Four, second: Four
 ) -> tuple[Real, Real]:
-    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
+    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W modulo U'' = x² + b1·x + b0.
+
+    The second congruence holds for each summand (U, V), with W = (f − V²)/U and L = (p − q·V)/U.
 
     The solutions are averaged as in :func:`chord`. If all are ill-conditioned, :func:`tangent_polynomial` computes V''.
     """
@@ -125,17 +128,17 @@ def second_polynomial(
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
     p0, p1, p2, l1 = p
-    # the right-hand side −p modulo U''
+    # the right-hand side −p of q·V'' ≡ −p, modulo U''
     high = p2 - b1 * l1
     r0, r1 = b0 * high - p0, b0 * l1 + b1 * high - p1
-    # the right-hand side L·V − q·W modulo U''
+    # the right-hand side of L·V'' ≡ L·V − q·W modulo U'', with W = (f − V²)/U
     g3 = -q * f5
     w2 = f4 - u1 * f5
     w1 = f3 - u1 * w2 - u0 * f5
     w0 = f2 - v1 * v1 - u1 * w1 - u0 * w2
     high = l1 * v1 - q * w2 - b1 * g3
     r2, r3 = l0 * v0 - q * w0 - b0 * high, l0 * v1 + l1 * v0 - q * w1 - b0 * g3 - b1 * high
-    # the right-hand side L'·V' − q·W' of the other summand, with L' = (p − q·V')/U'
+    # the right-hand side of L'·V'' ≡ L'·V' − q·W' for the other summand, with L' = (p − q·V')/U'
     weight = 1 / max(1, abs(t0), abs(t1))
     k0 = p2 - s1 * l1
     w2 = f4 - s1 * f5
@@ -188,7 +191,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
 def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, noise: Real) -> tuple[Real, Real]:
     """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
 
-    t is reduced where this equation has more rounding noise than the rows from which (c0, c1) came.
+    V'' = c0 + c1·x. t is reduced where the equation has more rounding noise than the linear system that gave V''.
     """
     f0, f1, f2, f3, f4, f5 = f
     square = c0 * c0 + c1 * c1
@@ -198,7 +201,7 @@ def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, nois
     e4 = f2 - c1 * c1 - b1 * e3 - b0 * e2
     d1 = f1 - 2 * c0 * c1 - b1 * e4 - b0 * e3
     d0 = f0 - c0 * c0 - b0 * e4
-    # the residual is d − t·J, J = 2·V''·(lean, 1) mod U''
+    # with d = f − V''² mod U'' a step by t leaves d − t·J, J = 2·V''·(lean + x) mod U''
     top = 2 * c1
     j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
     step = (j0 * d0 + j1 * d1) / (j0 * j0 + j1 * j1 + doubt)

@@ -32,7 +32,7 @@ def retracted(f: Six, point: Four) -> Four:
     """
     u0, u1, v0, v1 = point
     r0, r1, w0, w1, w2, w3 = remainder(f, point)
-    # columns of the differential: 2V, 2xV, W, xW modulo U
+    # the differential 2V·δV + W·δU mod U for δV = 1, x and δU = 1, x: 2V, 2xV, W, xW
     a0, a1 = 2 * v0, 2 * v1
     b0, b1 = -u0 * a1, a0 - u1 * a1
     w2 -= u1 * w3

@@ -100,7 +100,7 @@ def compose(
 
 
 def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tuple[Coefficients, Number]:
-    """(L, q) of norm 1 with q·V + U·L ≡ q·V' (mod U'), from both congruences at once."""
+    """(L, q) of norm 1 with L·U ≡ q·(V' − V) and L·(V + V') ≡ q·W modulo U', W = (f − V²)/U = ``w1``."""
     (u1, v1), (u2, v2) = first, second
     m = len(u2) - 1
     trace, difference = added(v1, v2), added(v2, [-c for c in v1])
@@ -149,7 +149,7 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
 def _monic_quotient(
     field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Number, int]:
-    """(p² − q²f)/(U·U') made monic, its relative remainder, and the lean; ``both`` is U·U'."""
+    """(p² − q²f)/(U·U') made monic, its relative remainder, and the lean (:class:`Total`); ``both`` is U·U'."""
     psi, lean = product(p, p), 0
     terms = size(psi)
     if q:
@@ -162,7 +162,9 @@ def _monic_quotient(
 
 
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
-    """The change of the lean by a function y − w that vanishes at infinity; ``lead`` is the leading coefficient of w.
+    """The change of the lean (:class:`Total`) by a function y − w that vanishes at infinity.
+
+    ``lead`` is the leading coefficient of w.
 
     ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
     """
@@ -183,7 +185,7 @@ def _second_polynomial(
     q: Number,
     summands: Sequence[tuple[Coefficients, ...]],
 ) -> Coefficients:
-    """V'' from q·V'' ≡ −p, L·(V'' − V) ≡ −q·W for either summand, and V''² ≡ f, all modulo U''."""
+    """V'' from q·V'' ≡ −p, L·(V'' − V) ≡ −q·W for both ``summands`` (L, V, W), and V''² ≡ f, all modulo U''."""
     m = len(u) - 1
     rows: list[Coefficients] = []
     right: Coefficients = []

@@ -68,7 +68,7 @@ def repeated(points: Iterable[Given], multiplicities: Iterable[int] | None) -> l
 
 
 def counted(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> tuple[list[Any], list[Any] | None]:
-    """The points and their multiplicities as lists of one length; their entries are not checked."""
+    """The points and their multiplicities as two lists of equal length, whose entries are not checked."""
     points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
     if multiplicities is None:
         return points, None

@@ -31,7 +31,8 @@ Mapped = Callable[[poly.Poly], poly.Poly]
 
 
 class RichelotIsogeny(Immutable):
-    """The isogeny from the Jacobian of y² = G₁G₂G₃ with kernel {0, div(G_i)}; get one from :func:`richelot_isogenies`.
+    """The isogeny from the Jacobian of y² = G₁G₂G₃; get one from :func:`richelot_isogenies`. The kernel consists of 0
+    and, for each G_i, the class of the points over its roots.
 
     ``source``, ``target``: the curves; ``quadratics``: the G_i. ``phi(D)`` is the image of a class; :meth:`dual` is the
     isogeny back, so that ``phi.dual()(phi(D)) == 2 * D``. The field is exact, of characteristic other than 2.
@@ -101,7 +102,7 @@ class DualIsogeny(Immutable):
         return f"<dual of {self.forward!r}>"
 
     def __call__(self, D: Divisor) -> Divisor:
-        """The image of a class of ``forward.target``."""
+        """The image of a class D on the target of the Richelot isogeny ``forward``, whose dual this is."""
         return self.scaled(self.back(D))
 
 

@@ -11,9 +11,10 @@ from jacobian.models.isomorphism import Isomorphism
 
 
 def move_to_infinity(C: HyperellipticCurve, P: Given) -> Isomorphism:
-    """The isomorphism by x' = 1/(x − x(P)), which maps a rational point P to infinity: to ∞₊ or, if P = ιP, to the only
-    point at infinity of an equation of odd degree. If P is at infinity, x' = x: at most y or the
-    names of ∞₊ and ∞₋ change. The field is exact.
+    """The isomorphism by x' = 1/(x − x(P)), which maps a rational point P to infinity.
+
+    A Weierstrass point P is mapped to the only point at infinity of an equation of odd degree, any other P to ∞₊. If P
+    is at infinity, x' = x: at most y or the names of ∞₊ and ∞₋ change. The field is exact.
     """
     K, P = check_curve(C).field, C.check_point(P)
     if isinstance(P, PointAtInfinity):

@@ -1,6 +1,7 @@
 """The arithmetic of :mod:`jacobian.numbers.binary` in compiled loops.
 
-A carry-less product of two words is one instruction on processors that have PCLMULQDQ. On others
+Polynomials over GF(2) are stored as the bits of words (64 bits) or of longs (128 bits). A carry-less product is a
+product of such polynomials. That of two words is one instruction on processors that have PCLMULQDQ. On others
 :func:`jacobian.numbers.binary.product_of_words` is compiled from its source.
 """
 
@@ -38,12 +39,15 @@ def in_one_instruction(b: Operators, x: Value, y: Value) -> Value | None:
 
 
 def times(b: Any, x: str, y: str) -> str:
-    """The carry-less product of two longs whose high words are 0."""
+    """The product of two polynomials over GF(2) of degree below 64: longs of 128 bits whose upper halves are 0."""
     return str(b.call(binary.product_of_words, [Value(LONG, (x,)), Value(LONG, (y,))]).parts[0])
 
 
 def product(b: Any, x: str, y: str) -> tuple[str, str]:
-    """The low and high 128 bits of a product of longs, from three products of words (Karatsuba and Ofman 1962)."""
+    """The low and high 128 bits of a carry-less product of two 128-bit integers.
+
+    It is made from three products of words (Karatsuba and Ofman 1962).
+    """
     (x0, x1), (y0, y1) = halves(b, x), halves(b, y)
     low, high = times(b, x0, y0), times(b, x1, y1)
     if x == y:
@@ -53,7 +57,7 @@ def product(b: Any, x: str, y: str) -> tuple[str, str]:
 
 
 def low_product(b: Any, x: str, y: str) -> str:
-    """The low 128 bits of a product of longs."""
+    """The low 128 bits of a carry-less product of two 128-bit integers."""
     (x0, x1), (y0, y1) = halves(b, x), halves(b, y)
     crossed = plus(b, times(b, x0, y1), times(b, x1, y0))
     return plus(b, times(b, x0, y0), b.write(f"shl i128 {crossed}, 64"))
