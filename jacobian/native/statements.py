@@ -254,7 +254,7 @@ class Statements(Expressions):
         pass
 
     def all_lanes(self, what: str) -> None:
-        """Raises CompileError if only some lanes are active: all leave a round together, and a store writes all."""
+        """Raises CompileError if only some lanes are active: ``break``, ``continue`` and stores act on all lanes."""
         if self.mask is not None:
             raise CompileError(f"only some lanes {what}")
 

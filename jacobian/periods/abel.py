@@ -169,8 +169,9 @@ class AbelMap(AbelImage):
     def _polished(
         self, points: list[Point], target: Vector, allowed: Iterable[int] = range(12), tolerance: Any = None
     ) -> list[Point]:
-        """The points after Newton's method for the image ``target``; ``tolerance``: the largest coordinate of the gap.
+        """The points after Newton's method for the image ``target``.
 
+        It ends where the difference of target and image has coordinates below ``tolerance`` on the periods.
         PrecisionLoss if it does not converge within the steps ``allowed``.
         """
         numbers, last, size = self.cover.numbers, None, None

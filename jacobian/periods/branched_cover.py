@@ -23,7 +23,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 class Edge(NamedTuple):
     """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
 
-    ``directions``: the directions, of modulus 1, of Y/√F'(e) on the edge's lift at its ends e, i and j.
+    ``directions``: Y/√F'(e) on the lift of the edge, divided by its modulus, near e = e_i and near e = e_j.
     """
 
     i: int
@@ -132,7 +132,10 @@ class BranchedCover:
         return self._means(others, n, count)
 
     def _means(self, others: Vector, n: int, count: int) -> Vector:
-        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``; ``others``: the u_k."""
+        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``, with the signs of :meth:`edge`.
+
+        ``others`` are the u_k.
+        """
         numbers, moments = self.numbers, [self.numbers.real(0)] * count
         real = all(u.imag == 0 for u in others)
         right, left = ([u for u in others if (u.real > 0) == side] for side in (True, False))
@@ -170,7 +173,7 @@ def _unit(z: Any) -> complex:
 
 
 def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
-    """Π√(±(t − u)) with principal roots, to a few digits; ``others``: pairs (u, whether ± is −, as for Re u > 0)."""
+    """Π√(±(t − u)) with principal roots, to a few digits; ``others``: pairs (u, whether ± is −, here if Re u > 0)."""
     value = 1 + 0j
     for u, right in others:
         # for t in [−1, 1] the radicand stays off the negative axis

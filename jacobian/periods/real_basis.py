@@ -122,7 +122,10 @@ def real_basis(found: Periods) -> Periods:
 
 @cache
 def real_cycles(rows: tuple[Whole, Whole, Whole, Whole]) -> tuple[Whole, Whole, Whole, Whole]:
-    """A symplectic basis with real a₁, a₂, in coordinates; ``rows``: those of the conjugates of the cycles given."""
+    """A symplectic basis with real a₁, a₂, each cycle as its coordinates in a given symplectic basis.
+
+    ``rows``: the coordinates of the complex conjugates of the cycles of the given basis.
+    """
     few = range(-2, 3)
     small = sorted(((a, b, c, d) for a, b, c, d in product(few, few, few, few)), key=lambda v: sum(x * x for x in v))
     fixed = [v for v in small if any(v) and all(sum(v[i] * rows[i][j] for i in range(4)) == v[j] for j in range(4))]
