@@ -1,6 +1,6 @@
 """The operations of :mod:`jacobian.numbers.words` that have instructions of their own in compiled loops.
 
-The rest of a context, and all of :mod:`jacobian.numbers.tables`, are compiled from their source.
+The other operations of a context, and all of :mod:`jacobian.numbers.tables`, are compiled from their Python source.
 """
 
 from __future__ import annotations

@@ -51,8 +51,9 @@ class AbelMap(AbelImage):
         return f"Abel–Jacobi map of {self.given!r}"
 
     def __call__(self, D: Divisor) -> tuple[Any, ...]:
-        """The image of a divisor class of ``curve`` (or of the curve given, if real): g complex numbers, reduced modulo
-        periods to coordinates in [−½, ½].
+        """The image of a class of ``curve``: g complex numbers, reduced modulo periods to coordinates in [−½, ½].
+
+        If the map was made from a curve over a real field, classes of this curve are accepted too.
 
         Points that nearly coincide cost digits, because the roots of u are then ill-conditioned.
         """

@@ -33,7 +33,7 @@ class Edge(NamedTuple):
 
 
 class BranchedCover:
-    """The double cover Y² = lead·Π(x − e): ``roots``, the branch points e, as the working numbers ``numbers``.
+    """The double cover Y² = lead·Π(x − e). ``roots``: the branch points e, in the arithmetic ``numbers``.
 
     The argument ``roots``: the e in any order, if known.
     """
@@ -88,7 +88,7 @@ class BranchedCover:
         return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
 
     def tree(self) -> list[tuple[int, int]]:
-        """2g edges of the Euclidean minimal spanning tree of the branch points, from the first one on (Prim 1957)."""
+        """2g edges of the Euclidean minimal spanning tree of the branch points, beginning at the first (Prim 1957)."""
         e = self._rough
         inside = [0]
         edges: list[tuple[int, int]] = []
