@@ -41,7 +41,7 @@ def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, ot
 def _halves(Q: Any, x: Any, m: Any) -> None:
     """Maps a polynomial modulo X^(2m) − 1 to its residues modulo X^m − 1 and X^m + 1, in place.
 
-    Applied to these residues the formula gives back twice the polynomial.
+    The same function maps the two residues to twice the polynomial.
     """
     for j in range(m):
         low, high = Q.dot(x[j], 1.0), Q.dot(x[m + j], 1.0)

@@ -172,7 +172,7 @@ class AbelMap(AbelImage):
     ) -> list[Point]:
         """The points after Newton's method for the image ``target``.
 
-        It ends where the difference of target and image has coordinates below ``tolerance`` on the periods.
+        It ends when the coordinates, on the periods, of the target minus the image are below ``tolerance``.
         PrecisionLoss if it does not converge within the steps ``allowed``.
         """
         numbers, last, size = self.cover.numbers, None, None

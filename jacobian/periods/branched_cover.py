@@ -23,7 +23,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 class Edge(NamedTuple):
     """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
 
-    ``directions``: Y/√F'(e) on the lift of the edge, divided by its modulus, near e = e_i and near e = e_j.
+    ``directions``: the directions in which Y/√F'(e) moves along the edge's lift, at e = e_i and e = e_j; modulus 1.
     """
 
     i: int
@@ -117,7 +117,7 @@ class BranchedCover:
             factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
             for k in range(len(moments))
         ]
-        # the directions of Y/√(x − e) at both ends e, divided by a fixed root of F'(e)
+        # the directions in which Y moves along the lift at both ends e, each divided by the direction of a fixed √F'(e)
         rough = [(complex(u), u.real > 0) for u in others]
         start = _unit(_unit(c) * rough_root(rough, -1) / self._slope_root(i))
         end = _unit(-_unit(c) * rough_root(rough, 1) / self._slope_root(j))
@@ -173,7 +173,10 @@ def _unit(z: Any) -> complex:
 
 
 def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
-    """Π√(±(t − u)) with principal roots, to a few digits; ``others``: pairs (u, whether ± is −, here if Re u > 0)."""
+    """Π√(±(t − u)) with principal roots, to a few digits.
+
+    ``others``: pairs of u and whether ± is −; :meth:`BranchedCover.edge` takes − for Re u > 0.
+    """
     value = 1 + 0j
     for u, right in others:
         # for t in [−1, 1] the radicand stays off the negative axis

@@ -198,7 +198,7 @@ def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | 
 
 
 def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordinates:
-    """κ of the class of (u, v), deg u = 2. By y_i² = f(x_i) the last coordinate is a polynomial in those of u and v."""
+    """κ of the class of (u, v), deg u = 2. Its last coordinate is a polynomial in the coefficients of f, u and v."""
     s, p = -u[1], u[0]
     last = s * s - p
     return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]
