@@ -98,7 +98,7 @@ def _file(folder: Path, name: str) -> Path:
 
 @cache
 def compiler() -> frozenset[str]:
-    """The names of the compiler's modules and of those they import, without the numerical algorithms they compile."""
+    """The names of the modules of the compiler: those in this folder, and those of this package that they import."""
     found: set[str] = set()
     left = {f"{__package__}.{path.stem}" for path in HERE.glob("*.py") if path.stem != "__init__"}
     while left:

@@ -94,7 +94,7 @@ class ArrayKind:
 
     @property
     def memory(self) -> str:
-        """The LLVM type that the pointer points to."""
+        """The LLVM type of one word of the array in memory."""
         return f"i{8 * self.dtype.itemsize}" if self.item in (INT, LONG) else "double"
 
 
@@ -158,7 +158,7 @@ def form_of(kind: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class FunctionKind:
-    """A function passed as an argument: its caller is compiled separately for each ``thing``."""
+    """A function, ``thing``, passed as an argument. Its caller is compiled separately for each function passed."""
 
     thing: Any
     leaves: tuple[str, ...] = ()
@@ -200,7 +200,7 @@ def is_number(kind: Any) -> bool:
 
 
 def meeting(first: Any, second: Any) -> Any:
-    """The kind that holds values of both; CompileError if there is none."""
+    """The kind that can hold the values of both kinds; CompileError if there is none."""
     if first == second:
         return first
     if is_number(first) and is_number(second):

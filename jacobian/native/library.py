@@ -105,7 +105,7 @@ class Library:
 
 
 def said(kind: Any) -> str:
-    """The full text of a kind, with the field names of a NamedTuple."""
+    """A kind as text, with the field names of a NamedTuple."""
     if not isinstance(kind, TupleKind):
         return str(kind)
     return f"{getattr(kind.named, '_fields', '')}({', '.join(map(said, kind.items))})"

@@ -96,7 +96,10 @@ class Program:
         return result
 
     def _of_objects(self, name: str, function: Any, kinds: tuple[Any, ...], objects: direct.Objects) -> Any:
-        """Adds an entry that Python calls with objects after the leading arguments."""
+        """Adds an entry that Python calls with the last arguments, ``objects``, as they are.
+
+        The first arguments, of the given ``kinds``, are packed into the bytes object ``self`` of the call.
+        """
         instance, body = self.instance(function, (*kinds, *objects.inside)), Statements(self, function, "")
         body.lines.append("  %words = call ptr @PyBytes_AsString(ptr %self)")
         self._texts.append(direct.method(body, name, instance, _arguments(body, kinds)[0], objects))
@@ -112,7 +115,7 @@ class Program:
         if found is self:
             raise CompileError(f"{name} is not known, or not on every way")
         if isinstance(found, int | float):
-            # the value becomes part of the code, so it is recorded, wherever it is defined and however it is computed
+            # the number becomes part of the compiled code, so its value is recorded, under the module that uses it
             self.numbers[f"{module.__name__}.{name}"] = repr(found)
         elif hasattr(found, "_fields"):
             self.modules.add(found.__module__)

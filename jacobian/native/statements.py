@@ -254,7 +254,7 @@ class Statements(Expressions):
         pass
 
     def all_lanes(self, what: str) -> None:
-        """Raises CompileError if only some lanes are active: all leave a round together, and a store writes all."""
+        """Raises CompileError if only some lanes are active: ``break``, ``continue`` and stores act on all lanes."""
         if self.mask is not None:
             raise CompileError(f"only some lanes {what}")
 
@@ -330,7 +330,7 @@ class Statements(Expressions):
         self.begin(end)
 
     def lanes_from(self, first: Value, stop: Value) -> Value:
-        """The vector (first, first + 1, …), one entry for each lane; entries beyond ``stop`` − 1 are ``stop`` − 1."""
+        """The vector (first, first + 1, …), one number for each lane; ``stop`` − 1 replaces numbers that exceed it."""
         numbers = ", ".join(f"i64 {k}" for k in range(LANES))
         places = self.binary("Add", first, Value(abreast(INT), (f"<{numbers}>",)))
         return self.extremum("Lt", [places, self.binary("Sub", stop, integer(1))])

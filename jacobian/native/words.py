@@ -1,6 +1,6 @@
 """The operations of :mod:`jacobian.numbers.words` that have instructions of their own in compiled loops.
 
-The rest of a context, and all of :mod:`jacobian.numbers.tables`, are compiled from their source.
+The other operations of a context, and all of :mod:`jacobian.numbers.tables`, are compiled from their Python source.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def quotient(b: Operators, x: Value, y: Value) -> Value:
 def rest(b: Operators, K: Value, x: Value, y: Value) -> Value:
     """xy modulo p on floats, as xy − qp, where q is the integer nearest to the rounded xy/p.
 
-    Let h be the rounded product. A fused multiply-add computes l = xy − h exactly, and another h − qp, which is a small
-    integer. LLVM may not contract these instructions with others.
+    Let h be the rounded product xy. One fused multiply-add computes l = xy − h exactly. A second one computes h − qp,
+    which is a small integer. The result is (h − qp) + l. LLVM may not contract these instructions with others.
     """
     p, reciprocal = K.parts[0], K.parts[1]
     first, second = (b.cast(z, FLOAT).parts[0] for z in (x, y))

@@ -124,7 +124,10 @@ def product_of_words(x: Any, y: Any) -> Any:
 
 
 def inverse(K: Any, x: Any) -> Any:
-    """1/x = x^(2^n − 2) for a word x ≠ 0, from x^(2^k − 1), k growing bit by bit to n − 1 (Itoh and Tsujii 1988)."""
+    """1/x = x^(2^n − 2) for a word x ≠ 0 (Itoh and Tsujii 1988).
+
+    x^(2^k − 1) is computed for those k in turn whose binary digits are the first digits of n − 1.
+    """
     bit = 1
     while 2 * bit < K.degree:
         bit *= 2

@@ -18,8 +18,8 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
-# a number of fewer bits than this, with an exponent of smaller size, lies well inside the range of floats, and so does
-# its difference from the nearest float
+# if a number has fewer than MOST_BITS bits, and a binary exponent below MOST_BITS in size, then the number and its
+# difference from the nearest float are well inside the range of floats
 MOST_BITS = 440
 # integers of smaller size are exact as floats
 EXACT = 1 << 53
@@ -39,7 +39,7 @@ def split(x: Any) -> tuple[float, float]:
         return x, 0.0
     if type(x) is int and abs(x) < EXACT:
         return float(x), 0.0
-    # mpfr comes first: it may have _mpf_ too, but creates it at each access
+    # mpfr is tested first: it may have an attribute _mpf_ too, but computes this attribute at each access
     if type(x).__name__ == "mpfr":
         return _split_mpfr(x)
     if hasattr(x, "_mpf_"):

@@ -12,7 +12,7 @@ from jacobian.numbers.double_double import double_double_row
 
 Row = Any
 
-# bits to which the points of the circle are computed before rounding
+# bits to which :func:`circle_of` computes its numbers before rounding
 BITS = 160
 
 
@@ -90,7 +90,7 @@ def pass_over(values: Row, out: Row, size: int, stride: int, circle: Row) -> Non
             out[place + n], out[place + n + 1] = a + c, b + d
             n += place + 2 * stride
             a, b = a - c, b - d
-            # most factors of a small grid are 1 and −i
+            # most factors of a small grid are 1 or −i, which need no multiplication
             if p == 0:
                 out[n], out[n + 1] = a, b
             elif 2 * p == half:

@@ -1,10 +1,10 @@
-"""GF(p^k) of at most 2^16 elements by tables, without a branch for zero, with the interface of
+"""GF(q), q = p^k ≤ 2^16, by tables, without a branch for zero, with the interface of
 :mod:`~jacobian.numbers.words`.
 
-An element is the int of :class:`jacobian.fields.table.TableField`. The logarithm of 0 is 2(q − 1), and from there on
-the table of powers is 0. So a product is one look-up at the sum of two logarithms, and a sum is one look-up at log x +
-zech(log y − log x). The table of Zech logarithms runs from −2(q − 1) to 2(q − 1). In characteristic 2 a sum is an
-exclusive or.
+An element is the int of :class:`jacobian.fields.table.TableField`. Logarithms refer to a generator c, and zech(n) is
+log(1 + c^n). The logarithm of 0 is 2(q − 1), and from this index on the table of powers is 0. So a product is one
+look-up at the sum of two logarithms, and a sum is one look-up at log x + zech(log y − log x). The table of Zech
+logarithms runs from −2(q − 1) to 2(q − 1). In characteristic 2 a sum is an exclusive or.
 
 A *context* holds the tables. Its operations are compiled as they stand. Every element is canonical.
 """

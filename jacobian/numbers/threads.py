@@ -33,8 +33,8 @@ def set_threads(count: int | None) -> None:
 def in_ranges(total: int, size: int, work: Callable[[int, int], Any], most: int | None = None) -> list[Any]:
     """The results of work(begin, end) for consecutive ranges that cover ``total`` rows, in order.
 
-    A range has at most ``size`` rows. The ranges run on all threads, or on at most ``most``. If there is more than one
-    range, every thread gets the same number of ranges, of equal length.
+    A range has at most ``size`` rows. The ranges run on all threads, or on at most ``most``. If several threads are
+    used, smaller ranges are taken: all but the last have equal length, and each thread gets about the same number.
     """
     pieces = -(-total // size)
     count = min(threads() if most is None else most, pieces)

@@ -22,8 +22,9 @@ CACHED = 1 << 16
 
 
 def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """The residues modulo X^m ∓ W' and X^m ∓ W'', W'² = W, W''² = −W, from residues modulo X^(4m) − W²: two levels
-    of :func:`forward`.
+    """Two levels of :func:`forward`: from residues modulo X^(4m) − W² to those modulo X^m ∓ W' and X^m ∓ W''.
+
+    ``outer`` is W; ``inner`` is W', W'² = W; ``other`` is W'', W''² = −W.
     """
     a0, a2, a3 = Q.dot(a0, 1.0), Q.dot(a2, outer), Q.dot(a3, outer)
     b1, b3 = Q.dot(a1 + a3, inner), Q.dot(a1 - a3, other)
@@ -31,21 +32,24 @@ def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, o
 
 
 def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """Four times the inverse of :func:`_split`; the factors are the inverse ones."""
+    """Four times the inverse of :func:`_split`; the arguments are 1/W, 1/W' and 1/W''."""
     b0, b2 = Q.dot(c0 + c1, 1.0), Q.dot(c2 + c3, 1.0)
     b1, b3 = Q.dot(c0 - c1, inner), Q.dot(c2 - c3, other)
     return b0 + b2, b1 + b3, Q.dot(b0 - b2, outer), Q.dot(b1 - b3, outer)
 
 
 def _halves(Q: Any, x: Any, m: Any) -> None:
-    """One level between X^(2m) − 1 and X^m ∓ 1, in place: forward, or, by the same formula, twice the inverse."""
+    """Maps a polynomial modulo X^(2m) − 1 to its residues modulo X^m − 1 and X^m + 1, in place.
+
+    The same function maps the two residues to twice the polynomial.
+    """
     for j in range(m):
         low, high = Q.dot(x[j], 1.0), Q.dot(x[m + j], 1.0)
         x[j], x[m + j] = low + high, low - high
 
 
 def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> None:
-    """Two levels of block b, of length 4m, in place; ``turn`` is :func:`_split` or :func:`_join`."""
+    """Applies ``turn``, :func:`_split` or :func:`_join`, to the numbers of block b, which has length 4m, in place."""
     outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
     x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
     x2, x3 = x[begin + 2 * m : begin + 3 * m], x[begin + 3 * m : begin + 4 * m]
@@ -54,8 +58,10 @@ def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> 
 
 
 def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
-    """Applies :func:`_quarters` to SIDE blocks from b on, interleaved: number i of block b + k is S[i·SIDE + k]. For m
-    = 4 a block has 16 numbers; for m = 1 each such block consists of four blocks of 4, numbered from 4b on.
+    """Applies ``turn`` as :func:`_quarters` does, to the SIDE blocks b, b + 1, … of 16 numbers.
+
+    They are interleaved: number i of block b + k is S[i·SIDE + k]. For m = 1 block b + k counts as four blocks of 4
+    numbers, the blocks 4(b + k) to 4(b + k) + 3.
     """
     for i in range(4):
         first = (i if m == 4 else 4 * i) * SIDE
@@ -74,7 +80,7 @@ def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
 
 
 def _last_down(Q: Any, W: Any, x: Any, begin: Any, b: Any, S: Any) -> None:
-    """The last four levels of SIDE blocks of 16 numbers, from block b on."""
+    """The last four levels of :func:`forward` for SIDE blocks of 16 numbers, from block b on."""
     for k in range(SIDE):
         for i in range(16):
             S[i * SIDE + k] = x[begin + 16 * k + i]

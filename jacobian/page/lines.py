@@ -36,9 +36,9 @@ MOST_HEIGHT, MOST_DIGITS = 10_000, 200
 def summary(C: HyperellipticCurve, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
     """A page about a curve over QQ of any genus: invariants, points, torsion, periods, endomorphisms.
 
-    ``bound``: the bound of the primes of L-polynomials, from 64 on; ``height``: the largest height of the abscissas of
-    rational points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A line that could not be
-    computed contains the error message. FieldError over other fields.
+    ``bound``: L-polynomials are computed at the primes up to this bound, which is 64 or more. ``height``: the largest
+    height of the abscissas of rational points, 1 … 10,000; ``digits``: the digits of periods and regulators, 5 … 200. A
+    line that could not be computed contains the error message. FieldError over other fields.
     """
     if check_curve(C).field != QQ:
         raise FieldError(f"field = {C.field.name}: the page of a curve is that of a curve over QQ")

@@ -51,8 +51,9 @@ class AbelMap(AbelImage):
         return f"Abel–Jacobi map of {self.given!r}"
 
     def __call__(self, D: Divisor) -> tuple[Any, ...]:
-        """The image of a divisor class of ``curve`` (or of the curve given, if real): g complex numbers, reduced modulo
-        periods to coordinates in [−½, ½].
+        """The image of a class of ``curve``: g complex numbers, reduced modulo periods to coordinates in [−½, ½].
+
+        If the map was made from a curve over a real field, classes of this curve are accepted too.
 
         Points that nearly coincide cost digits, because the roots of u are then ill-conditioned.
         """
@@ -169,8 +170,9 @@ class AbelMap(AbelImage):
     def _polished(
         self, points: list[Point], target: Vector, allowed: Iterable[int] = range(12), tolerance: Any = None
     ) -> list[Point]:
-        """The points after Newton's method for the image ``target``; ``tolerance``: the largest coordinate of the gap.
+        """The points after Newton's method for the image ``target``.
 
+        It ends when the coordinates, on the periods, of the target minus the image are below ``tolerance``.
         PrecisionLoss if it does not converge within the steps ``allowed``.
         """
         numbers, last, size = self.cover.numbers, None, None

@@ -26,7 +26,8 @@ from jacobian.periods.roots import horner
 
 Result = TypeVar("Result")
 
-# at most MOST_STEPS Newton steps are made in midpoints, starting from doubles; a proof is tried at PROOFS precisions
+# starting from doubles, at most MOST_STEPS Newton steps are made on the midpoints of balls; a proof is tried at PROOFS
+# precisions
 MOST_STEPS, PROOFS = 20, 3
 
 
@@ -164,7 +165,7 @@ class _Image(AbelImage):
         return self._divisor([self._above(x, Y) for x, (_, Y) in zip(found, points, strict=True)])
 
     def _sharpened(self, points: list[Point], target: Vector) -> list[Point]:
-        """The points after Newton's method in midpoints, until the steps no longer halve."""
+        """The points after Newton's method on the midpoints of balls, until a step is above half of the last one."""
         last = None
         for _ in range(MOST_STEPS):
             steps = self._steps(points, self._gap(points, target))

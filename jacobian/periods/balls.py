@@ -128,7 +128,7 @@ class BallNumbers(Numbers):
         middle, half = (0.0, end) if start == 0 else ((start + end) / 2, (end - start) / 2)
         axes = []
         for ratio in ratios:
-            # the singularities s = ±1/√ratio; a ratio near 0 may be a ball around 0
+            # the singularities are s = ±1/√ratio; a ratio near 0 may be a ball around 0, and s = ±10^15 is used then
             w = 1 / self.sqrt(ratio) if abs(ratio) > 1e-30 else self.convert(10**15)
             axes.append(tuple(semi_axis((sign * w - middle) / half) for sign in (1, -1)))
         most = NODES_A_DIGIT * self.digits + MORE_NODES

@@ -23,7 +23,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 class Edge(NamedTuple):
     """An edge of the tree from branch point i to j, with its integrals ∫ x^k dx/Y.
 
-    ``directions``: the directions, of modulus 1, of Y/√F'(e) on the edge's lift at its ends e, i and j.
+    ``directions``: the directions in which Y/√F'(e) moves along the edge's lift, at e = e_i and e = e_j; modulus 1.
     """
 
     i: int
@@ -33,7 +33,7 @@ class Edge(NamedTuple):
 
 
 class BranchedCover:
-    """The double cover Y² = lead·Π(x − e): ``roots``, the branch points e, as the working numbers ``numbers``.
+    """The double cover Y² = lead·Π(x − e). ``roots``: the branch points e, in the arithmetic ``numbers``.
 
     The argument ``roots``: the e in any order, if known.
     """
@@ -88,7 +88,7 @@ class BranchedCover:
         return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
 
     def tree(self) -> list[tuple[int, int]]:
-        """2g edges of the Euclidean minimal spanning tree of the branch points, from the first one on (Prim 1957)."""
+        """2g edges of the Euclidean minimal spanning tree of the branch points, beginning at the first (Prim 1957)."""
         e = self._rough
         inside = [0]
         edges: list[tuple[int, int]] = []
@@ -117,7 +117,7 @@ class BranchedCover:
             factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
             for k in range(len(moments))
         ]
-        # the directions of Y/√(x − e) at both ends e, divided by a fixed root of F'(e)
+        # the directions in which Y moves along the lift at both ends e, each divided by the direction of a fixed √F'(e)
         rough = [(complex(u), u.real > 0) for u in others]
         start = _unit(_unit(c) * rough_root(rough, -1) / self._slope_root(i))
         end = _unit(-_unit(c) * rough_root(rough, 1) / self._slope_root(j))
@@ -132,7 +132,10 @@ class BranchedCover:
         return self._means(others, n, count)
 
     def _means(self, others: Vector, n: int, count: int) -> Vector:
-        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``; ``others``: the u_k."""
+        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``, with the signs of :meth:`edge`.
+
+        ``others`` are the u_k.
+        """
         numbers, moments = self.numbers, [self.numbers.real(0)] * count
         real = all(u.imag == 0 for u in others)
         right, left = ([u for u in others if (u.real > 0) == side] for side in (True, False))
@@ -170,7 +173,10 @@ def _unit(z: Any) -> complex:
 
 
 def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
-    """Π√(±(t − u)) with principal roots, to a few digits; ``others``: pairs (u, whether ± is −, as for Re u > 0)."""
+    """Π√(±(t − u)) with principal roots, to a few digits.
+
+    ``others``: pairs of u and whether ± is −; :meth:`BranchedCover.edge` takes − for Re u > 0.
+    """
     value = 1 + 0j
     for u, right in others:
         # for t in [−1, 1] the radicand stays off the negative axis

@@ -24,7 +24,7 @@ Integers = tuple[tuple[int, ...], ...]
 LEAST_DIGITS = 40
 """The fewest digits accepted. Small vectors that are no relations have entries of about 10^(digits/2)."""
 MOST_GENUS = 4
-"""The largest genus: LLL takes some 5 s there and cannot be interrupted; its time grows like g^8 or more."""
+"""The largest genus: LLL takes some 5 s in genus 4 and cannot be interrupted; its time grows like g^8 or more."""
 SMALL = 4
 """A relation has entries below 10^(digits/SMALL)."""
 

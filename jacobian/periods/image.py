@@ -162,5 +162,5 @@ class AbelImage(Immutable):
 
 
 def full_weight(curve: HyperellipticCurve) -> int:
-    """The w of ``_weight_of`` for the class that ``from_points`` makes of g points."""
+    """The number w of :meth:`AbelImage._weight_of` for a class that ``Jacobian.from_points`` makes of g points."""
     return curve.genus if curve.model == "ramified" else -(curve.genus % 2)

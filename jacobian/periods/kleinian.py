@@ -186,6 +186,6 @@ class _Divisor:
         return found
 
     def inverse(self, e: Any) -> Vector:
-        """The inverse of x − e, by u = (x − e)(x + e − s) + u(e)."""
+        """The inverse of x − e modulo u, by u = (x − e)(x + e − s) + u(e)."""
         value = horner(self.u, e)
         return [(self.s - e) / value, -1 / value]

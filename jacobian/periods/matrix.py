@@ -33,7 +33,7 @@ class PeriodMatrix(Immutable):
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
     crossings. ``cover`` and ``edges``: branch points, and the tree of segments between them with half-periods;
     ``cycles``: a_1 … a_g, b_1 … b_g as integral combinations of the lifts of the edges. ``working``: (A, B) with guard
-    digits. ``recipe``: the call that makes this again.
+    digits. ``recipe``: a function and its arguments, from which pickle makes the matrix again.
     """
 
     A: tuple[tuple[Any, ...], ...]
@@ -109,7 +109,7 @@ def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> Pe
 
 
 def period_matrix(cover: BranchedCover, recipe: tuple[Callable[..., PeriodMatrix], tuple[Any, ...]]) -> PeriodMatrix:
-    """The PeriodMatrix of a cover, which the call ``recipe`` makes again."""
+    """The PeriodMatrix of a cover; for ``recipe`` see :class:`PeriodMatrix`."""
     edges = [cover.edge(i, j) for i, j in cover.tree()]
     basis = symplectic_basis(crossings(edges))
     working = [

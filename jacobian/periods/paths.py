@@ -49,7 +49,7 @@ def along(Z: LongField, roots: Sequence[Complex], lead: Complex, k: int) -> Vect
     path = straight(Z, a, b, others)
     count = nodes_needed([(r - middle) / half for r in others])
     zeroth, first = path_integrals(path, logistic_rule(False) if path.graded(count) else chebyshev_rule(count))
-    # (x − a)(x − b) is negative on the path, hence the factor i
+    # √((x − a)(x − b)) = ±i(b − a)√(v(1 − v)) and dx = (b − a)dv, hence the factor i
     factor = Z.sqrt(Z.coerce(lead)) * Z.coerce(1j) * path.factor
     return zeroth / factor, (a * zeroth + (b - a) * first) / factor
 

@@ -67,7 +67,7 @@ class Numbers:
         return nullcontext()
 
     def root(self, square: Any, approximation: Any) -> Any:
-        """The square root of ``square`` nearer to a rough value of it."""
+        """The square root of ``square`` nearer to ``approximation``."""
         root = self.sqrt(square)
         rough, approximation = complex(root), complex(approximation)
         return root if rough.real * approximation.real + rough.imag * approximation.imag >= 0 else -root

@@ -27,6 +27,6 @@ def real_period(P: PeriodMatrix) -> Any:
             raise PrecisionLoss("the conjugate cycles cannot be distinguished from others; use more digits")
         traces = [[c + (i == j) for i, c in enumerate(found or [])] for j, found in enumerate(conjugates)]
         basis = [row for row in fmpz_mat(traces).hnf().tolist() if any(row)]
-        # the cycles of the basis are sums γ + γ̄, with real periods; those of x^k dx/(2y + h) are half of those in P
+        # the cycles of the basis are sums γ + γ̄, with real periods; P has twice the periods of x^k dx/(2y + h)
         half = [[sum(int(n) * x.real for n, x in zip(v, row, strict=True)) / 2 for row in P.big] for v in basis]
         return abs(arb_mat(half).det())

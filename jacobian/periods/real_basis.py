@@ -36,7 +36,7 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The cycles and half-periods of the curve with these five roots, in the order of a simple polygon's vertices."""
+    """The cycles and half-periods of the curve with five ``roots``, the vertices in turn of a simple polygon."""
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
         cycles = cycles_of(sides, signs)
@@ -122,7 +122,10 @@ def real_basis(found: Periods) -> Periods:
 
 @cache
 def real_cycles(rows: tuple[Whole, Whole, Whole, Whole]) -> tuple[Whole, Whole, Whole, Whole]:
-    """A symplectic basis with real a₁, a₂, in coordinates; ``rows``: those of the conjugates of the cycles given."""
+    """A symplectic basis with real a₁, a₂, each cycle as its coordinates in a given symplectic basis.
+
+    ``rows``: the coordinates of the complex conjugates of the cycles of the given basis.
+    """
     few = range(-2, 3)
     small = sorted(((a, b, c, d) for a, b, c, d in product(few, few, few, few)), key=lambda v: sum(x * x for x in v))
     fixed = [v for v in small if any(v) and all(sum(v[i] * rows[i][j] for i in range(4)) == v[j] for j in range(4))]

@@ -37,7 +37,7 @@ def check_separated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
 def conjugated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
     """The roots of a real polynomial: real ones, ascending, then exact pairs of conjugates.
 
-    The conjugate x̄ of a root x is either x itself, and then Im x is rounding, or another root at the distance 2|Im x|.
+    The conjugate of a root x is another root, at the distance 2|Im x|, or x itself; then Im x is a rounding error.
     """
     distances = check_separated(numbers, roots)
     line = [numbers.convert(x.real) for x, d in zip(roots, distances, strict=True) if 4 * abs(x.imag) < d]

@@ -325,8 +325,9 @@ class Lift(NamedTuple):
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """(κ/c, ν, −cσ + k(e)ν), where −c is the leading coefficient of (f − V²)/U; with −σ and −ν for σ and ν if deg f
-        is odd, deg U even and deg V ≤ g.
+        """(κ/c, ν, −cσ + k(e)ν), with c and k the ``scale`` and the ``k`` of the :class:`Reduction`.
+
+        If deg f is odd, deg U even and deg V ≤ g, σ and ν are first replaced by −σ and −ν.
         """
         K, (kappa, sigma, nu) = group.field, datum
         k = poly.evaluate(K, step.k, self.e)

@@ -174,8 +174,10 @@ class FibreGroup(Immutable):
     # --- functions on the curve, up to functions of x
 
     def value(self, function: Function) -> Unit:
-        """The pair (a, b) for which a + b·y has the values of the function a(x) + b(x)·y over x₀. It may have zeros
-        there. A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, a power of 1/x.
+        """The numbers (a, b) for which a + b·y has the values of the function a(x) + b(x)·y at the points over x₀.
+
+        These values may be 0. A common power of x − x₀ in a(x) and b(x) is divided out first; at infinity, a power of
+        1/x.
         """
         K, (a, b) = self.field, function
         if self.x0 is None:
@@ -213,6 +215,6 @@ def multiply(C: HyperellipticCurve, first: Function, second: Function) -> Functi
 
 
 def conjugate(C: HyperellipticCurve, function: Function) -> Function:
-    """The image a − h·b − b·y of a + b·y under the involution, which is its inverse up to a function of x."""
+    """The image a − h·b − b·y of a + b·y under the involution. The product of both is a function of x."""
     K, (a, b) = C.field, function
     return poly.sub(K, a, poly.mul(K, b, C.h)), poly.neg(K, b)

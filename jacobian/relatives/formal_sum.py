@@ -266,7 +266,7 @@ def intersection(D: Divisor, E: Divisor) -> Intersection:
 
 
 def _at_infinity(affine: FormalSum, function: tuple[poly.Poly, poly.Poly], content: poly.Poly) -> tuple[int, ...]:
-    """The orders at infinity of the function content·(a + by), whose divisor has the part ``affine`` and degree 0."""
+    """The orders at infinity of content·(a + by); ``affine`` is the affine part of its divisor, whose degree is 0."""
     C, K, (a, b) = affine.curve, affine.curve.field, function
     total = affine.degree
     if C.model != "split":

@@ -36,7 +36,7 @@ FACTORS = {
 }
 MONOMIALS = list(FACTORS)
 # the coefficients of δ are polynomials of degree 4 in those of f, of the size of max|f_i|⁴. They are computed modulo a
-# product of primes that is larger by 2·SPARE_BITS bits; residues larger than that size by SPARE_BITS bits are an error
+# product of primes with 2·SPARE_BITS bits more than this size; a result with SPARE_BITS bits more is refused
 SPARE_BITS = 80
 MOST_PRIMES = 200
 # the number of classes D from whose κ(D) and κ(2D) δ is found
@@ -108,9 +108,10 @@ class KummerSurface(Immutable):
         return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
 
     def integers(self, width: int, modulo: Callable[[Jacobian], list[int]]) -> list[list[int]]:
-        """Integers, known to be integral polynomials of degree 4 in the coefficients of f, in rows of this width.
+        """The integers whose residues modulo primes p are given by ``modulo``, in rows of ``width`` integers.
 
-        ``modulo(J)`` returns their residues modulo p in one list, J being the Jacobian of y² = f(x) over GF(p).
+        They must be values of integral polynomials of degree 4 in the coefficients of f. ``modulo(J)`` returns all
+        residues modulo p in one list, J being the Jacobian of y² = f(x) over GF(p).
         """
         size = max(map(abs, self.f)) ** 4
         modulus, residues = 1, list[int]()
@@ -197,7 +198,7 @@ def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | 
 
 
 def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordinates:
-    """κ of the class of (u, v), deg u = 2. With y_i² = f(x_i) the fraction in ξ₄ becomes a polynomial in u and v."""
+    """κ of the class of (u, v), deg u = 2. Its last coordinate is a polynomial in the coefficients of f, u and v."""
     s, p = -u[1], u[0]
     last = s * s - p
     return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]

@@ -264,7 +264,8 @@ def biquadratic(surface: KummerSurface) -> list[list[int]]:
 def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
     """The coefficients of :func:`biquadratic` modulo a prime of 61 bits, in one list.
 
-    First b₁₁ and b₁₂ are found from their ratios. With b₁₁ the common factors of the values of all forms are known.
+    At each pair of classes the values of all forms are known up to a common factor. The ratios of two of them determine
+    b₁₁ and b₁₂. The value of b₁₁ gives the factor, and linear equations then give the other forms.
     """
     from flint import nmod_mat
 

@@ -43,7 +43,7 @@ def monomials_into(K: Any, S: Any, at: Any, x: Any) -> None:
 
 
 def sum_of(K: Any, F: Any, S: Any, a: Any, b: Any, difference: Any, i: Any) -> Any:
-    """κ(a + b) from κ(a), κ(b) and ``difference`` = κ(a − b), whose coordinate i is 1."""
+    """κ(D + E) for a = κ(D), b = κ(E) and ``difference`` = κ(D − E), difference[i] = 1; S: scratch."""
     monomials_into(K, S, 0, a)
     monomials_into(K, S, QUADRATIC, b)
     begin = F.ends[i]
@@ -64,7 +64,7 @@ def sum_of(K: Any, F: Any, S: Any, a: Any, b: Any, difference: Any, i: Any) -> A
 
 
 def forms_of(K: Any, F: Any, S: Any, table: Any) -> Any:
-    """The values of the four forms of a table; S holds the values of its terms."""
+    """The values of the four forms of a ``table`` of the Forms F; S holds the values of the table's terms."""
     return (
         form(K, F, S, 4 * table),
         form(K, F, S, 4 * table + 1),
@@ -74,7 +74,7 @@ def forms_of(K: Any, F: Any, S: Any, table: Any) -> Any:
 
 
 def form(K: Any, F: Any, S: Any, which: Any) -> Any:
-    """The value of one form; S holds the values of its table's terms."""
+    """The value of form ``which`` % 4 of table ``which`` // 4 of the Forms F; S has the values of the table's terms."""
     total = K.sub(K.one, K.one)
     for n in range(F.begin[which], F.begin[which + 1], 4):
         c, at = F.coefficient, F.place
@@ -99,7 +99,7 @@ def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
 
 
 def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """κ(2a), the values of b_14 … b_44 at (κ(a), κ(a)): the difference is κ(0), whose coordinate 4 is 1."""
+    """κ(2D) for a = κ(D): the values of b_14 … b_44 at (a, a), since coordinate 4 of the difference κ(0) is 1."""
     terms_twice(K, F, S, 4, a)
     return forms_of(K, F, S, 4)
 
