@@ -86,9 +86,9 @@ class AxialSystem(SurfaceSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start, if it is a branch point: there the lift is g at the start.
+        """The index, 0 or 1, of the end z = 1 or −1 nearer to the start; None if this end is no branch point.
 
-        None if it is no branch point: both lifts are then 1 at the start.
+        At the start the lift at this branch point has the value g. All other lifts have the value 1.
         """
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
@@ -159,7 +159,10 @@ def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
 
 
 def branches(m: Real) -> bool:
-    """Whether the end with constant m is a branch point: m = 0. PrecisionLoss if the ball m does not decide this."""
+    """Whether the end z = ±1 of the axis's path is a branch point, which it is if its constant m, m₁ or m₂, is 0.
+
+    PrecisionLoss if m is an enclosure that contains 0 and other numbers.
+    """
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")

@@ -119,7 +119,8 @@ class Ellipsoid(SurfaceSystem):
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
             for _ in range(MOST_STEPS):
-                # Newton's method for 1/``total`` = 1, which is concave in −x: from 0 on x decreases monotonically
+                # Newton's method for 1/``total`` = 1. 1/``total`` is a concave function of −x, so the iterates decrease
+                # monotonically from x = 0
                 parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
                 total = sum(parts, L.zero)
                 slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)

@@ -119,7 +119,10 @@ class KdV(Made):
         return Spectral(poly.neg(K, poly.from_roots(K, edges)), *through(K, [x for x, _ in points], ys))
 
     def _moving(self, K: FormulaField, state: Eigenvalues) -> tuple[list[Real], list[tuple[Real, int]]]:
-        """The edges and the pairs (γ_j, sign), without each γ_j at a double edge, which never moves, and that edge."""
+        """The edges and the pairs (γ_j, sign), without double edges that equal a γ_j, and without these γ_j.
+
+        A γ_j at a double edge never moves.
+        """
         edges, points = [*map(K.coerce, self.edges)], []
         for x, sign in zip(map(K.coerce, state.gamma), state.signs, strict=True):
             if edges.count(x) > 1:
@@ -159,8 +162,9 @@ class Wave:
         """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table over all x and t.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
-        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. The
-        bits that a double edge loses grow in proportion to x and t: PrecisionLoss beyond about 500 widths of a soliton.
+        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. With
+        a double edge the number of lost bits grows in proportion to x and t: PrecisionLoss beyond about 500 widths of
+        the soliton.
         """
         import numpy as np
 
@@ -227,7 +231,10 @@ class Wave:
         return [self._value(x, t) for x in xs.tolist()]
 
     def _profile(self, t: float) -> Profile | None:
-        """The profile at a time, if additions agree with it; only the last one is cached."""
+        """The profile, u as a function of x at the time t; None if additions do not agree with it.
+
+        Only the profile of the last t is cached.
+        """
         if t not in self._profiles:
             try:
                 torus = self._made_profile(t)

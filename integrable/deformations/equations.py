@@ -70,7 +70,10 @@ class Integration:
 
 
 class NearWalk(Integration):
-    """The states near the start by a compiled walk, if it costs at most ``cost``: that of the next way."""
+    """The states near the start by a compiled walk, if the walk costs at most ``cost``.
+
+    ``cost`` is the cost of the way that is tried next.
+    """
 
     def __init__(self, motion: Motion, cost: Cost) -> None:
         self._motion, self._cost = motion, cost

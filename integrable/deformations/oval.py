@@ -80,7 +80,7 @@ def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int
 
 def paces(first: Row, second: Row, numbers: Row, table: Row) -> None:
     """Writes 1/g to ``table``, with a row for each height in ``first`` and a column for each in ``second``, and
-    replaces the heights by their shares of g². ``numbers`` are d and the weights.
+    replaces each height z_k by weight_k(1 + dz_k), its share of g². ``numbers`` are d and the weights.
     """
     columns = len(second)
     for i in abreast(0, len(first)):

@@ -91,8 +91,9 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
 
-    z has a pole at the imaginary half-period of either curve. A zero of g² is at a z < 0. On the second curve, where
-    Z = μ2·z is then positive, it is as far from the real axis as the pole; on the first curve it is nearer.
+    z has a pole at the imaginary half-period of either curve. g² vanishes at a z < 0, that is at
+    Z = μ_k·z with μ1 > 0 > μ2. This Z is above the branch points of the second curve, so there the zero is as far from
+    the real axis as the pole. It is below the branch points of the first curve, so there the zero is nearer.
     """
     import gmpy2
 

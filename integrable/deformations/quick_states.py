@@ -50,8 +50,8 @@ class PackedCurves(NamedTuple):
     """A motion in double-doubles.
 
     ``curves`` are its ovals for times τ, ``turning`` those for phases in turns; ``levels`` are those of
-    :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. H and K are
-    ``before`` at the start; ``sizes`` are the units of their errors.
+    :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. ``before``
+    has H and K of the start, and ``sizes`` the units of their errors.
     """
 
     curves: tuple[OvalThetas, OvalThetas]
@@ -85,8 +85,8 @@ class QuickStates:
 
     def __init__(self, many: OnCurves) -> None:
         self._many = many
-        # both return None if numbers such as |M|² exceed the range of floats; the clock also does if 1/g needs too many
-        # samples or has resonant modes
+        # both functions return None if numbers such as |M|² exceed the range of floats. _clock also returns None if 1/g
+        # needs too many samples or has resonant modes
         self._packed: Callable[[CurvesCarrier], PackedCurves | None] = cache(lambda x: _unless(packed, x))
         self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 

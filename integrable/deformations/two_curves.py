@@ -168,7 +168,7 @@ def _image(system: Hamiltonian, state: State) -> _Image:
 
 
 def _first(K: Any, x: Any, y: Any) -> bool:
-    """Whether λ = x precedes λ = y: over the reals if x is larger, over an exact field if its key is smaller."""
+    """Whether λ = x precedes λ = y: over the reals if x > y, over an exact field if ``K.key(x) < K.key(y)``."""
     if not K.exact:
         return bool(x > y)
     while isinstance(x, Jet):

@@ -105,13 +105,16 @@ def _first_reductions(J: GroupLaw) -> list[Subgroups]:
 
 
 def _exponents(reductions: list[Subgroups]) -> dict[int, list[int]]:
-    """For each prime ℓ the largest exponents, descending, that the ℓ-part over QQ can have, by all reductions."""
+    """For each prime ℓ bounds of the exponents of the ℓ-part over QQ, descending: the least in all the reductions."""
     shared = (ell for ell in reductions[0] if all(ell in groups for groups in reductions))
     return {ell: list(map(min, zip(*(groups[ell].exponents for groups in reductions), strict=False))) for ell in shared}
 
 
 def _grow(group: PrimaryGroup, reductions: list[Subgroups]) -> None:
-    """Enlarges a group to all rational classes of ℓ-power order in genus 2, by a reduction with a small ℓ-part."""
+    """Enlarges ``group`` to all rational classes of ℓ-power order in genus 2.
+
+    The classes are lifted from a reduction of J: of the suitable ones, that with the smallest ℓ-part.
+    """
     known = sorted((groups[group.prime] for groups in reductions), key=lambda whole: whole.order)
     later = (sylow_subgroup(reduced, group.prime) for reduced in _reductions(group.zero.jacobian))
     for among in chain(known, later):
