@@ -133,11 +133,11 @@ class Ellipsoid(SurfaceSystem):
         return self._settled(read)
 
     def step(self, state: Point, point: Iterable[Value]) -> Point:
-        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); the tangents of both states meet the quadric
-        Σy_i²/(a_i − λ) = 1.
+        """The state with the divisor D + (λ, μ) − (0, 0), where D is the divisor of ``state`` and (λ, μ) is ``point``.
 
-        The state is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no
-        square root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
+        The tangents of both states meet the quadric Σy_i²/(a_i − λ) = 1. The new state is real for λ < 0. ArgumentError
+        if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square root; NotRepresentable or
+        PrecisionLoss if there is no such state, as for λ = a_i.
         """
 
         def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:

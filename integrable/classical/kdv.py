@@ -222,7 +222,7 @@ class Wave:
             ) from None
 
     def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
-        """u at many x and one t: from a profile for MANY floats or more, else by additions."""
+        """u at many x and one t: from the profile of :meth:`_profile` for at least MANY x in floats, else by additions."""
         if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
@@ -287,7 +287,7 @@ class Wave:
         Between these points U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at
         rates of at most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below
         the square root of the rounding unit. Both precisions that are compared lose these bits, so their difference
-        does not show the loss. The width of the band bounds it.
+        does not show the loss. The width of the band bounds the loss.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

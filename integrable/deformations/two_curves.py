@@ -208,13 +208,13 @@ def _state(
 
 
 class CurveTranslation(Step):
-    """The map that adds [multiple](x_k, ±) to the point of each curve.
+    """The map that adds, on each curve, ``multiple`` times the point with a given abscissa.
 
-    ``points`` = (x1, x2) are values of ũ; None adds nothing on that curve. The map preserves λ1 and λ2, hence H and K.
-    It preserves the bracket, because on each curve it is the time-1 map of the Hamiltonian F = δ√λ with δ fixed: the
-    motion for the time 2F'(λ). It commutes with the flow in τ. Over RR and MP the signs of γ follow by continuity from
-    the identity; over exact fields they are those of the field's square roots. NotASquare if the image is not over the
-    field. Over the reals the image is real if μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
+    ``points`` = (x1, x2) are the abscissas, as values of ũ; None adds nothing on that curve. The map preserves λ1 and
+    λ2, hence H and K. It preserves the bracket, because on each curve it is the time-1 map of the Hamiltonian F = δ√λ
+    with δ fixed: the motion for the time 2F'(λ). It commutes with the flow in τ. Over RR and MP the signs of γ follow
+    by continuity from the identity; over exact fields they are those of the field's square roots. NotASquare if the
+    image is not over the field. Over the reals the image is real if μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
     """
 
     def __init__(

@@ -56,9 +56,10 @@ class RationalTorsion(NamedTuple):
 
 
 def rational_torsion(J: GroupLaw, height: int = 100) -> RationalTorsion:
-    """The torsion subgroup over QQ: in genus 2 all of it, else the subgroup that the classes found generate.
+    """The torsion subgroup over QQ: in genus 2 all of it, else the part that a search has found.
 
-    ``height``: the largest numerator and denominator of x of the points used, 1 … 1000. FieldError over other fields.
+    The search uses the points whose x has a numerator and a denominator up to ``height``, 1 … 1000. FieldError over
+    other fields.
     """
     if J.field != QQ:
         raise FieldError(f"field = {J.field.name}: this is torsion over QQ; torsion(m) is that of a finite field")
@@ -168,7 +169,10 @@ def _two_torsion(J: GroupLaw) -> Iterator[Divisor]:
 
 
 def differences(J: GroupLaw, height: int) -> Iterator[Divisor]:
-    """Yields P − P₀ for the other points P with x up to this height; P₀ is at infinity if there is a point there."""
+    """Yields the classes P − P₀ of the points P ≠ P₀ whose x has a height up to ``height``.
+
+    P₀ is a point at infinity if there is one.
+    """
     points = list(J.curve.points(height))
     points.sort(key=lambda P: isinstance(P, AffinePoint))
     for P in points[1:]:

@@ -43,8 +43,8 @@ class SignedDivisor(NamedTuple):
 
 
 class Row(NamedTuple):
-    """The equation divisor·x = value for a number x. ``terms``: over an inexact field, the sum of the absolute values
-    of the terms that were added to ``value``.
+    """The equation divisor·x = value for an unknown number x; ``divisor`` is a number too. ``terms``: over an inexact
+    field, the sum of the absolute values of the terms that were added to ``value``.
     """
 
     divisor: Any
