@@ -222,7 +222,7 @@ class Wave:
             ) from None
 
     def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
-        """u at many x and one t: from the profile of :meth:`_profile` for at least MANY x in floats, else by additions."""
+        """u at many x and one t: for MANY x or more in floats by :meth:`_profile`, else by additions."""
         if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
