@@ -1,9 +1,9 @@
 """The motion of a deformation on two elliptic curves at one precision, and the choice of the precision for a time.
 
 For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
-until the given time has. Further loss is measured on every call: by the integrals of each state, by the farthest state
-computed again with more digits, which also checks the signs of γ and M, and by the state at τ = 0. If k digits are
-missing, everything is repeated with k more; PrecisionLoss if this does not help.
+until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
+compared with those of the start. The farthest state is computed again with more digits, which also checks the signs of
+γ and M. If k digits are missing, everything is repeated with k more; PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations

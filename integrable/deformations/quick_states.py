@@ -192,8 +192,9 @@ def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
 
 
 def grid_resolving(pace: Pace) -> tuple[int, int]:
-    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z: mode m as
-    nome^m, since the pole of z is at the imaginary half-period.
+    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z.
+
+    Mode m of z is of the size nome^m, since the pole of z is at the imaginary half-period.
     """
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
