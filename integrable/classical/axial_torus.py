@@ -205,7 +205,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
 
 
 def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: Axis) -> Sequence[Real]:
-    """``numbers`` with the C of a motion that starts at ``axis``, in place of 1."""
+    """``numbers`` with the entry C of a motion that starts at ``axis``; before, this entry is 1."""
     import gmpy2
 
     inverse = [N.coerce(high) + low for high, low in inverse_factorials().tolist()]

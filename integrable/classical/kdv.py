@@ -6,9 +6,9 @@ eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
 
     f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
 
-On the Jacobian of y² = f the solution is linear in x and in t, with the directions −2e_{g−1} and −4Σe_i·e_{g−1} −
-8e_{g−2}. A band that shrinks to a point, e_{2j−1} = e_{2j}, becomes the eigenvalue of a soliton. A gap that shrinks to
-a point has no effect.
+On the Jacobian of y² = f the pair (U, V) moves linearly in x and in t, with the directions −2e_{g−1} and −4Σe_i·e_{g−1}
+− 8e_{g−2}. A band that shrinks to a point, e_{2j−1} = e_{2j}, becomes the eigenvalue of a soliton. A gap that shrinks
+to a point has no effect.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class Integration:
 
     def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         """γ and M side by side, shape (N, 6), at the times ``given``, and τ there. Unless ``physical``, ``given`` are
-        values of τ, and t is returned in its place.
+        values of τ, and t is returned instead of τ.
         """
         raise NotImplementedError
 

@@ -242,8 +242,8 @@ def turning(curve: OvalThetas) -> OvalThetas:
 
 
 def recorded_states(carrier: CurvesCarrier, there: Sequence[bool]) -> PointFormulas:
-    """The formulas of γ, M, H and K from the points on both curves, for motions of the kind of ``carrier``. Those
-    constants of the system that are not ``there`` are 0.
+    """The formulas of γ, M, H and K from the points on both curves, for motions of the kind of ``carrier``. ``there``
+    says which constants of the system are not 0.
     """
     N, frame, count = PairField(), carrier.frame, sum(there) + len([*flat(carrier.frame)])
 

@@ -301,7 +301,10 @@ def curves_of(system: Hamiltonian) -> Hamiltonian:
 
 
 def lifted(system: Hamiltonian, state: State) -> State:
-    """The state of the tilde pair that corresponds to a state; NotASquare if √a_i or |Bγ| is not in the field."""
+    """The state of the tilde pair that corresponds to a state.
+
+    NotASquare if √a_i or |Bγ| (:class:`integrable.deformations.hamiltonian.Isometry`) is not in the field.
+    """
     K, isometry = system.field, system.isometry()
     return state if isometry is None else State(*lift(K, roots(K, isometry.squares), *state.vectors))
 

@@ -12,9 +12,9 @@ q·y − p vanish on D and D', let b² be the leading coefficient of (p² − q�
 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
-Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ', and the same with D and D' exchanged. This is a
-commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula s'' = P(e)/(b s s')
-gives σ''; with ν the addition stays regular where U(e) = 0.)
+Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. With D and D' exchanged the formula gives the
+same. This is a commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula s'' =
+P(e)/(b s s') gives σ''; with ν the addition stays regular where U(e) = 0.)
 """
 
 from __future__ import annotations
