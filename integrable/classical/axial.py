@@ -84,7 +84,7 @@ class AxialSystem(SurfaceSystem):
         raise NotImplementedError
 
     def _ends(self, N: FormulaField, axis: Axis) -> list[tuple[Real, Real]]:
-        """The points (1, −im₁) and (−1, −im₂) of the lifts."""
+        """The points (1, −im₁) and (−1, −im₂) of the curve, to which the lifts belong."""
         i = N.coerce(1j)
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 

@@ -54,7 +54,7 @@ class KuzminKutuzov(MumfordSystem):
         return a * a, c * c
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, Real]:
-        """The roots P and S at a position, as in the potential."""
+        """The square roots P and S of the module's docstring; the potential is −GM/S."""
         a, c = self._squares(N)
         x, y, z = state.q
         product = N.sqrt(a * c + c * (x * x + y * y) + a * z * z)

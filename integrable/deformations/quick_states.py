@@ -38,7 +38,8 @@ MOST_LOST, LOST_DIGIT = 1e-20, -20
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# the body turns at most this many times as fast as the faster of its phases; the largest ratios occur for large d
+# upper bound of the body's angular velocity divided by the rate of its faster phase; the largest ratios occur for large
+# d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
