@@ -306,7 +306,7 @@ def _run(arguments: argparse.Namespace) -> None:
 
     scene = load_scene(arguments.scene)
     out = _place(arguments.out, None if arguments.json else Path("runs") / portable(scene.name))
-    # Path.exists would raise for a name that the file system refuses; writing gives the reason later
+    # Path.exists would raise for a name that the file system refuses; the later attempt to write reports the reason
     if out is not None and not arguments.force and os.path.exists(out / "result.json"):
         _ask(out)
     trajectory = run(

@@ -70,7 +70,10 @@ class AxialSystem(SurfaceSystem):
         return (N.one,)
 
     def _separation(self, N: FormulaField, state: Point) -> Separation:
-        """The forms of p dq = z' dz/(1 − z²), and of the horizontal angle with rate w + ½m₁/(1 − z) − ½m₂/(1 + z)."""
+        """The differentials of the action and of the angle about the vertical.
+
+        p dq without the angle is z' dz/(1 − z²). The angle grows at the rate w + ½m₁/(1 − z) − ½m₂/(1 + z).
+        """
         axis, vertical = self._axis(N, state), (N.one, -N.one)
         (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
         turn = Form(((m2 - m1) / 2, -(m1 + m2) / 2), vertical)
@@ -81,14 +84,14 @@ class AxialSystem(SurfaceSystem):
         raise NotImplementedError
 
     def _ends(self, N: FormulaField, axis: Axis) -> list[tuple[Real, Real]]:
-        """The points (1, −im₁) and (−1, −im₂) of the lifts."""
+        """The points (1, −im₁) and (−1, −im₂) of the curve, to which the lifts belong."""
         i = N.coerce(1j)
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The index of the end z = ±1 nearer to the start, if it is a branch point: there the lift is g at the start.
+        """The index, 0 or 1, of the end z = 1 or −1 nearer to the start; None if this end is no branch point.
 
-        None if it is no branch point: both lifts are then 1 at the start.
+        At the start the lift at this branch point has the value g. All other lifts have the value 1.
         """
         near = 0 if abs(1 - axis.z) < abs(1 + axis.z) else 1
         return near if branches(axis.m[near]) else None
@@ -159,7 +162,10 @@ def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
 
 
 def branches(m: Real) -> bool:
-    """Whether the end with constant m is a branch point: m = 0. PrecisionLoss if the ball m does not decide this."""
+    """Whether the end z = ±1 of the axis's path is a branch point, which it is if its constant m, m₁ or m₂, is 0.
+
+    PrecisionLoss if m is an enclosure that contains 0 and other numbers.
+    """
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")

@@ -26,13 +26,15 @@ SERIES = 8
 
 
 class AxialThetas(NamedTuple):
-    """The constants from which the states of a motion are computed.
+    """The constants from which the states of a motion are computed, in the letters of the module's docstring.
 
-    ``numbers`` are half turns of v and turns of Rt per unit time, v at the start in half turns, C (two numbers), dv/dt,
-    R, and x₁. Then follow the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and (jc, L, c) of a top
-    (:mod:`integrable.classical.lagrange`). Row n of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and
-    θ₁(v − iβ), two each, and of θ₁ and θ₂, then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!.
-    ``top`` is true if p is M, false if it is the velocity.
+    ``numbers`` are, in this order: dv/dt in half turns, R in turns, v at the start in half turns, the two parts of C,
+    dv/dt and R in radians, and x₁. Then follow the factor of (θ₁/θ₄)² in z − x₁, the factor of θ₁θ₂θ₃/θ₄³ in z', and
+    (jc, L, c) of a top (:mod:`integrable.classical.lagrange`).
+
+    Row n of ``table`` has the coefficients of harmonic 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, and of θ₁ and θ₂,
+    then those of harmonic 2n of θ₃ and θ₄. ``inverse`` holds 2π and 1/n!. ``top`` is true if p is M, false if it is the
+    velocity.
     """
 
     numbers: Row

@@ -30,7 +30,8 @@ from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.double_double import double_double_row
 
-# roots are computed in BITS bits, half of which are lost if two roots nearly coincide, all else in FEWER_BITS bits
+# roots are computed with BITS bits, of which half are lost if two roots nearly coincide. All other numbers have
+# FEWER_BITS bits
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
@@ -82,19 +83,21 @@ class AxialFlow(MumfordFlow):
         return torus.at(times).reshape(-1, 2, 3)
 
     def _ends(self, N: LongField) -> list[Real]:
-        # g can vanish only at ends with m = 0
+        # g can vanish only at an end z = ±1 whose constant m is 0
         m = self.system._axis(N, self._inner(N)).m
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function of :meth:`MumfordFlow._reader_in_floats`, where g = C·e^{iδ}√|z − 1|√|z + 1| with the angle δ
-        about the vertical. A root that can vanish is replaced by a lift, which changes sign there.
+        """Overrides :meth:`MumfordFlow._reader_in_floats`.
+
+        The horizontal part of the axis is g = C·e^{iδ}√|z − 1|√|z + 1|, with the angle δ about the vertical. A square
+        root that can vanish is replaced by a lift, which changes its sign where it vanishes.
         """
         system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 
         def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
-            """(z, z', g, g') for C = 1."""
+            """(z, z', g, g') for C = 1, at points of the torus; ``turned`` is the angle δ there."""
             u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z
@@ -202,7 +205,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
 
 
 def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: Axis) -> Sequence[Real]:
-    """``numbers`` with the C of a motion that starts at ``axis``, in place of 1."""
+    """``numbers`` with the entry C of a motion that starts at ``axis``; before, this entry is 1."""
     import gmpy2
 
     inverse = [N.coerce(high) + low for high, low in inverse_factorials().tolist()]
@@ -229,7 +232,7 @@ def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]]
 
 
 def _start(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Real, Real]:
-    """The roots R₁ and R₂ of the height at the start (:class:`EllipticOval`)."""
+    """R₁ = ±√(z − x₁), with the sign of z', and R₂ = √(x₂ − z) at the start (:class:`EllipticOval`)."""
     low, high = max(axis.z - gaps.first, N.zero), max(gaps.first + gaps.swing - axis.z, N.zero)
     # z'² = 2(z − x₁)(x₂ − z)(x₃ − z) gives the smaller of the gaps z − x₁ and x₂ − z from the larger
     square, far = axis.rate * axis.rate / 2, gaps.swing + gaps.above

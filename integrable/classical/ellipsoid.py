@@ -119,7 +119,8 @@ class Ellipsoid(SurfaceSystem):
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
             for _ in range(MOST_STEPS):
-                # Newton's method for 1/``total`` = 1, which is concave in −x: from 0 on x decreases monotonically
+                # Newton's method for 1/``total`` = 1. 1/``total`` is a concave function of −x, so the iterates decrease
+                # monotonically from x = 0
                 parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
                 total = sum(parts, L.zero)
                 slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
@@ -132,11 +133,11 @@ class Ellipsoid(SurfaceSystem):
         return self._settled(read)
 
     def step(self, state: Point, point: Iterable[Value]) -> Point:
-        """The state of D + (λ, μ) − (0, 0), where ``point`` is (λ, μ); the tangents of both states meet the quadric
-        Σy_i²/(a_i − λ) = 1.
+        """The state with the divisor D + (λ, μ) − (0, 0), where D is the divisor of ``state`` and (λ, μ) is ``point``.
 
-        The state is real for λ < 0. ArgumentError if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no
-        square root; NotRepresentable or PrecisionLoss if there is no such state, as for λ = a_i.
+        The tangents of both states meet the quadric Σy_i²/(a_i − λ) = 1. The new state is real for λ < 0. ArgumentError
+        if the point is not on the curve; NotASquare if a_i/(a_i − λ) has no square root; NotRepresentable or
+        PrecisionLoss if there is no such state, as for λ = a_i.
         """
 
         def formula(N: FormulaField, here: Point, x: Real, y: Real) -> Point:

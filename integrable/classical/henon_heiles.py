@@ -68,7 +68,8 @@ class HenonHeiles(QuadricSystem):
 
     @property
     def _varied(self) -> dict[str, float]:
-        # for l_i ≠ 0 the motion turns back before q_i = 0, for l_i = 0 it does not: it is not smooth in l_i at 0
+        # for l_i ≠ 0 the motion turns back before q_i = 0, for l_i = 0 it does not, so at l_i = 0 the states are no
+        # smooth functions of l_i
         found = super()._varied
         walls = list(found)[-len(self.constants) :]
         return {**found, **{name: 0.0 for name, x in zip(walls, self._barriers(), strict=True) if not self._stands(x)}}

@@ -85,7 +85,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Real], chord: Sequence[Real]) ->
                 part = K.dot(rest, e)
                 rest = [x - part * y for x, y in zip(rest, e, strict=True)]
         length, whole = (K.sqrt(K.dot(x, x)) for x in (rest, given))
-        # at least one unit vector leaves a remainder this large
+        # the remainder of at least one unit vector is this long
         if length > whole / (2 * size) and len(basis) < size:
             basis.append([x / length for x in rest])
     return basis[1:]

@@ -6,9 +6,9 @@ eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
 
     f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
 
-On the Jacobian of y² = f the solution is linear in x and in t, with the directions −2e_{g−1} and −4Σe_i·e_{g−1} −
-8e_{g−2}. A band that shrinks to a point, e_{2j−1} = e_{2j}, becomes the eigenvalue of a soliton. A gap that shrinks to
-a point has no effect.
+On the Jacobian of y² = f the pair (U, V) moves linearly in x and in t, with the directions −2e_{g−1} and −4Σe_i·e_{g−1}
+− 8e_{g−2}. A band that shrinks to a point, e_{2j−1} = e_{2j}, becomes the eigenvalue of a soliton. A gap that shrinks
+to a point has no effect.
 """
 
 from __future__ import annotations
@@ -119,7 +119,10 @@ class KdV(Made):
         return Spectral(poly.neg(K, poly.from_roots(K, edges)), *through(K, [x for x, _ in points], ys))
 
     def _moving(self, K: FormulaField, state: Eigenvalues) -> tuple[list[Real], list[tuple[Real, int]]]:
-        """The edges and the pairs (γ_j, sign), without each γ_j at a double edge, which never moves, and that edge."""
+        """The edges and the pairs (γ_j, sign), without double edges that equal a γ_j, and without these γ_j.
+
+        A γ_j at a double edge never moves.
+        """
         edges, points = [*map(K.coerce, self.edges)], []
         for x, sign in zip(map(K.coerce, state.gamma), state.signs, strict=True):
             if edges.count(x) > 1:
@@ -159,8 +162,9 @@ class Wave:
         """u(x, t), an array of the shape to which x and t broadcast; ``at(x, t[:, None])`` is a table over all x and t.
 
         For a g-gap solution the error is below the last digit of floats, or of MP(digits), times the span of the edges,
-        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. The
-        bits that a double edge loses grow in proportion to x and t: PrecisionLoss beyond about 500 widths of a soliton.
+        at any x and t. In floats, 24 or more x at one t are evaluated on one torus, which is fast for many x. With
+        a double edge the number of lost bits grows in proportion to x and t: PrecisionLoss beyond about 500 widths of
+        the soliton.
         """
         import numpy as np
 
@@ -218,7 +222,7 @@ class Wave:
             ) from None
 
     def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
-        """u at many x and one t: from a profile for MANY floats or more, else by additions."""
+        """u at many x and one t: for MANY x or more in floats by :meth:`_profile`, else by additions."""
         if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
@@ -227,7 +231,10 @@ class Wave:
         return [self._value(x, t) for x in xs.tolist()]
 
     def _profile(self, t: float) -> Profile | None:
-        """The profile at a time, if additions agree with it; only the last one is cached."""
+        """The profile, u as a function of x at the time t; None if additions do not agree with it.
+
+        Only the profile of the last t is cached.
+        """
         if t not in self._profiles:
             try:
                 torus = self._made_profile(t)
@@ -280,7 +287,7 @@ class Wave:
         Between these points U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at
         rates of at most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below
         the square root of the rounding unit. Both precisions that are compared lose these bits, so their difference
-        does not show the loss. The width of the band bounds it.
+        does not show the loss. The width of the band bounds the loss.
         """
         edges, needed = self._edges, 0.0
         bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]

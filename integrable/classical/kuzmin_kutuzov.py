@@ -54,7 +54,7 @@ class KuzminKutuzov(MumfordSystem):
         return a * a, c * c
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, Real]:
-        """The roots P and S at a position, as in the potential."""
+        """The square roots P and S of the module's docstring; the potential is −GM/S."""
         a, c = self._squares(N)
         x, y, z = state.q
         product = N.sqrt(a * c + c * (x * x + y * y) + a * z * z)
@@ -87,7 +87,7 @@ class KuzminKutuzov(MumfordSystem):
         return {"E": N.dot(state.p, state.p) / 2 - mass / total, "L": along, "I": third}
 
     def _quartic(self, N: FormulaField, state: Point) -> poly.Poly:
-        """2P₄."""
+        """The polynomial 2P₄ of the module's docstring."""
         (a, c), (energy, along, third) = self._squares(N), self._integrals(N, state).values()
         mass = 2 * self._parameters_in(N)[0]
         inner = (-2 * (energy * c + third) - mass * self._constants_in(N)[1], mass, 2 * energy)
@@ -133,7 +133,7 @@ class KuzminKutuzov(MumfordSystem):
         return Start(f, u, v, self._direction(N, 2), [Lift(e) for e, *_ in moved], tuple(data))
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
-        """The state of a pair with the lifts of :meth:`_start`, and cos and sin of the azimuth since the start."""
+        """The state of ``D``, whose data are the lifts of :meth:`_start`, and cos and sin of the azimuth's growth."""
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:

@@ -48,15 +48,15 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return self.size - 1
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        # the division by |q|², which is 1 at a state, keeps (q, p) constant also off the sphere, where rounding leads
+        # the division by |q|², which is 1 at a state, keeps (q, p) constant if rounding has moved q off the sphere
         rates = self._rational_rates(N, state, (self._auxiliary(N, state)[0] / N.dot(state.q, state.q),))
         return Point(state.p, rates[self.size : -1])
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
         """The multiplier m, which is 2c − 2H + 2Σ(a_i − c)q_i² for any c. Its derivative needs few products.
 
-        Rounding makes |q|² − 1 a product of two solutions of u'' = (m − c)u. With the largest a_i as c, these grow no
-        faster than the effect of a small change of the start.
+        By rounding |q|² − 1 is not exactly 0; it moves as a product of two solutions of u'' = (m − c)u. With the
+        largest a_i as c, these solutions grow no faster than the effect of a small change of the start.
         """
         return (N.dot(self._constants_in(N), [x * x for x in state.q]) - N.dot(state.p, state.p),)
 

@@ -30,7 +30,7 @@ class SphericalPendulum(AxialSystem):
         vars(self)["field"] = check_field(field, "field")
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
-        # the division by |q|², which is 1 at a state, keeps (q, p) constant also off the sphere, where rounding leads
+        # the division by |q|², which is 1 at a state, keeps (q, p) constant if rounding has moved q off the sphere
         rates = self._rational_rates(N, state, (self._auxiliary(N, state)[0] / N.dot(state.q, state.q),))
         return Point(rates[:3], rates[3:6])
 

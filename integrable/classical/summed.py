@@ -32,7 +32,7 @@ class SummedFlow(MumfordFlow):
 
     @cached_property
     def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[..., Point]]]:
-        """By the number of bits, the torus and the function that computes states on it."""
+        """For each number of bits in use, the torus and the function that computes states on it."""
         return {}
 
     def _state(self, N: LongField, time: Number) -> Point:

@@ -162,8 +162,10 @@ class TodaLattice(MumfordSystem):
         return Point(tuple(x + shift for x in new.q), new.p)
 
     def step(self, state: Point, point: Iterable[Value], sheet: int = 1) -> Point:
-        """A step in discrete time to (q̃, p̃), the state of D + P − ∞₊, P = (λ, μ), or D + P − ∞₋ for ``sheet`` −1 (Suris
-        2003).
+        """The state (q̃, p̃) after a step in discrete time (Suris 2003).
+
+        Its divisor is D + P − ∞₊, or D + P − ∞₋ for ``sheet`` −1. D is the divisor of ``state``, and P = (λ, μ) is
+        ``point``.
 
         p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; for ``sheet`` −1,
         p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. The state is real

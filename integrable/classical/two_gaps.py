@@ -59,7 +59,7 @@ class TwoGaps(MumfordSystem):
         _, (G, G1, G2) = self._jets(N, state)
         G3 = 4 * u * G1 + 2 * u1 * G
         G4 = 6 * u1 * G1 + 4 * u * G2 + 2 * u2 * G
-        # u4, u5 and u6 are derivatives of u_xx = 3u² − 2s_1u − 8G + const
+        # u4, u5 and u6 are the second, third and fourth derivatives of u_xx = 3u² − 2s_1u − 8G + const
         u4 = 6 * (u1 * u1 + u * u2) - 2 * s1 * u2 - 8 * G2
         u5 = 6 * (3 * u1 * u2 + u * u3) - 2 * s1 * u3 - 8 * G3
         u6 = 6 * (3 * u2 * u2 + 4 * u1 * u3 + u * u4) - 2 * s1 * u4 - 8 * G4

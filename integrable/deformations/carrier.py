@@ -1,9 +1,9 @@
 """The motion of a deformation on two elliptic curves at one precision, and the choice of the precision for a time.
 
-For n requested digits a motion is computed with GUARD_DIGITS more, plus the digits of the number of periods in the
-time. Further loss is measured on every call: by the integrals of each state, by the farthest state computed again with
-more digits, which also checks the signs of γ and M, and by the state at τ = 0. If k digits are missing, everything is
-repeated with k more; PrecisionLoss if this does not help.
+For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
+until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
+compared with those of the start. The farthest state is computed again with more digits, which also checks the signs of
+γ and M. If k digits are missing, everything is repeated with k more; PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ CurvePoint = Sequence[Real]
 
 
 class CurvesCarrier(Carrier):
-    """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M). Its methods
-    are called inside ``with field``, which :class:`OnCurves` enters.
+    """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its method ``point`` returns
+    (γ, M) at a τ. All methods are called inside ``with field``, which :class:`OnCurves` enters.
 
     ``system`` and ``start`` are over long numbers, and ``before`` are H and K of ``start``. ``inner`` and ``origin``
     are the same system and state with the axes in ascending ``order`` of the moments of the tilde pair; M changes its
@@ -101,7 +101,7 @@ class CurvesCarrier(Carrier):
         return (gamma[i], gamma[j], gamma[k]), (self.side * M[i], self.side * M[j], self.side * M[k])
 
     def _state(self, *roots: tuple[Real, Real, Real]) -> GammaM:
-        """(γ, M) of ``inner`` from the roots on both curves."""
+        """(γ, M) of ``inner``, from R₁, R₂ and R₃ (:class:`EllipticOval`) on both curves."""
         first, second = ((*r, height(levels, r)) for r, levels in zip(roots, self.levels, strict=True))
         return self.read(self.field, self.inner, self.frame, first, second)
 
@@ -121,7 +121,7 @@ class CurvesCarrier(Carrier):
 
 
 class OnCurves(ManyDigits):
-    """The states of a motion on curves; ``made``(system, state) is the motion over the field of ``system``."""
+    """The states of a motion on curves; ``made`` is the class that computes it over the field of a given system."""
 
     carrier: CurvesCarrier
     expected = GUARD_DIGITS - SPARE - ROUNDING

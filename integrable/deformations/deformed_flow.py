@@ -24,7 +24,8 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
 
-# in floats a λ_k has about ten correct digits if it exceeds this fraction of the terms of which it is the sum
+# the constants λ1 and λ2 are defined by H = λ1 + λ2 and K = −λ1λ2. In floats a λ_k has about ten correct digits if it
+# exceeds this fraction of the terms of which it is the sum
 ORDINARY = 1e-6
 
 
@@ -72,7 +73,7 @@ class DeformedFlow(HamiltonianMotion):
         return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 
     def _terms(self) -> float:
-        """The size of the terms of λ_k."""
+        """The size of the terms of which λ1 and λ2 are sums; H = λ1 + λ2, K = −λ1λ2."""
         _, M = self.state.vectors
         return float(self.system.field.dot(M, M)) * max(self.system.a) ** self.system.degree
 
@@ -81,7 +82,8 @@ class DeformedFlow(HamiltonianMotion):
         return QuickStates(self._many)
 
     def _by_variations(self, run: Trajectory) -> Sensitivity | None:
-        # at d ≠ 0 every difference needs the clocks of two other motions, which take longer than one integration
+        # at d ≠ 0 the derivatives are integrated: a difference quotient needs the clocks of two other motions, which
+        # take longer
         try:
             return IntegratedMotion(self.system, self.state)._by_variations(run) if self.system.body.rolls else None
         except (Infeasible, PrecisionLoss):

@@ -185,7 +185,7 @@ class _March:
         return series
 
     def _velocity(self, point: Sequence[arb | acb]) -> list[arb | acb]:
-        """The derivatives at a point, or on a complex box; NaN where a root is not analytic there."""
+        """The derivatives at a point, or on a complex box; NaN if a square root is not analytic on the box."""
         kind = type(point[0])
         series = self._series(point, 1, kind)
         if any(

@@ -22,8 +22,8 @@ from jacobian import RR
 from jacobian.element import Real
 from jacobian.immutable import made_once
 
-# costs of states in microseconds: by theta functions, without and with repelling poles, and by integration (python -m
-# benchmarks near)
+# microseconds for the set-up and for each state: by theta functions, without and with repelling poles, and by
+# integration (python -m benchmarks near)
 BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 1), Cost(450, 1), Cost(150_000, 0)
 
 
@@ -53,7 +53,7 @@ class Integration:
 
     def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         """γ and M side by side, shape (N, 6), at the times ``given``, and τ there. Unless ``physical``, ``given`` are
-        values of τ, and t is returned in its place.
+        values of τ, and t is returned instead of τ.
         """
         raise NotImplementedError
 
@@ -70,7 +70,10 @@ class Integration:
 
 
 class NearWalk(Integration):
-    """The states near the start by a compiled walk, if it costs at most ``cost``: that of the next way."""
+    """The states near the start by a compiled walk, if the walk costs at most ``cost``.
+
+    ``cost`` is the cost of the way that is tried next.
+    """
 
     def __init__(self, motion: Motion, cost: Cost) -> None:
         self._motion, self._cost = motion, cost

@@ -107,7 +107,7 @@ class Hamiltonian(Made):
         return (*self.body.inertia, self.body.d, *(self.potential or ()), *further)
 
     def _of_constants(self, field: Field, values: Sequence[Any]) -> Self:
-        """The system of the same kind with the :attr:`constants` ``values``, unchecked elements of ``field``."""
+        """A system of the same kind whose :attr:`constants` are ``values``, unchecked elements of ``field``."""
         x, y, z, d, *rest = values
         return self._with(Body((x, y, z), d, field), rest)
 

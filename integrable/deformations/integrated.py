@@ -90,8 +90,8 @@ class IntegratedStates(Integration):
         return found.rows, found.tau
 
     def kept(self, given: np.ndarray, physical: bool, nan: Real, strict: bool = False) -> Rows:
-        """The rows at the times ``given``, and τ in ``tau``. Unless ``physical``, ``given`` are values of τ, and
-        ``tau`` holds t.
+        """The rows at the times ``given``; their attribute ``tau`` is τ. Unless ``physical``, ``given`` are values of
+        τ, and ``tau`` holds t. Refused rows are filled with ``nan``; if ``strict``, an error is raised instead.
         """
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)
@@ -121,7 +121,7 @@ class IntegratedStates(Integration):
     def derivatives(self, given: np.ndarray, inputs: Inputs) -> np.ndarray:
         """The derivatives of (γ, M) at physical times with respect to the inputs, in mpf, (N, 6, inputs).
 
-        PrecisionLoss if they do not take the rates at the start to those at the times.
+        PrecisionLoss if the derivatives, applied to (γ̇, Ṁ) at the start, do not give (γ̇, Ṁ) at these times.
         """
         times = [0, *given.tolist()]
         columns = [self._varied(times, inputs.numbers, k) for k, size in enumerate(inputs.sizes) if size]

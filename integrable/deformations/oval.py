@@ -61,7 +61,8 @@ class Pace(NamedTuple):
 def points(curves: tuple[OvalThetas, OvalThetas], levels: tuple[Row, Row], times: Row, step: int, out: Row) -> None:
     """Writes all R₁, all R₂, all R₃ and all z on the first curve at N points, then those on the second.
 
-    With ``step`` = 1 the points are at the same ``times`` on both curves; with ``step`` = 2 the times are in pairs.
+    With ``step`` = 1 the points are at the same ``times`` on both curves; with ``step`` = 2 ``times`` has a pair for
+    each point.
     """
     count = len(times) // step
     put_points(curves[0], levels[0], times, (0, step), out[: 4 * count])
@@ -69,9 +70,7 @@ def points(curves: tuple[OvalThetas, OvalThetas], levels: tuple[Row, Row], times
 
 
 def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int], out: Row) -> None:
-    """Writes the roots and heights on one curve; ``place`` is that of
-    :func:`integrable.mumford.elliptic_torus.oval_points`.
-    """
+    """Writes all R₁, R₂, R₃ and z on one curve at the times ``times[begin + step·n]``; ``place`` is (begin, step)."""
     count = len(out) // 4
     oval_points(curve, times, place, out[: 3 * count])
     for n in range(count):
@@ -80,7 +79,7 @@ def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int
 
 def paces(first: Row, second: Row, numbers: Row, table: Row) -> None:
     """Writes 1/g to ``table``, with a row for each height in ``first`` and a column for each in ``second``, and
-    replaces the heights by their shares of g². ``numbers`` are d and the weights.
+    replaces each height z_k by weight_k(1 + dz_k), its share of g². ``numbers`` are d and the weights.
     """
     columns = len(second)
     for i in abreast(0, len(first)):

@@ -89,10 +89,13 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
 
 
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
-    """The number of modes in either phase: c_mn decay as e^(−m·strip) if 1/g has no singularity in the strip.
+    """The numbers of modes of 1/g = Σ c_mn cos mθ1 cos nθ2 in both phases.
 
-    z has a pole at the imaginary half-period of either curve. A zero of g² is at a z < 0. On the second curve, where
-    Z = μ2·z is then positive, it is as far from the real axis as the pole; on the first curve it is nearer.
+    The c_mn decay as e^(−m·strip) if 1/g has no singularity at |Im θ1| < strip, and likewise in n.
+
+    z has a pole at the imaginary half-period of either curve. g² vanishes at a z < 0, that is at
+    Z = μ_k·z with μ1 > 0 > μ2. This Z is above the branch points of the second curve, so there the zero is as far from
+    the real axis as the pole. It is below the branch points of the first curve, so there the zero is nearer.
     """
     import gmpy2
 
@@ -116,7 +119,7 @@ def smooth(count: int) -> int:
 
 
 def cosines(pace: Pace, sizes: tuple[int, int], bits: int) -> np.ndarray:
-    """The c_mn with m and n up to ``sizes``, as integers in units of 2^−bits."""
+    """The c_mn of 1/g = Σ c_mn cos mθ1 cos nθ2, with m and n up to ``sizes``, as integers in units of 2^−bits."""
     parts = []
     for k, (curve, n) in enumerate(zip(pace.curves, sizes, strict=True)):
         squares = (pace.share(k, curve.at(j * pace.field.one / (2 * n))) for j in range(n + 1))

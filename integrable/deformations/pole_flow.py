@@ -33,7 +33,7 @@ __all__ = ["PoleFlow"]
 
 
 class PoleFrame(NamedTuple):
-    """The constants of states in repelling poles: the λ_k, and the signs of the γ_i."""
+    """The constants from which states of a pair with repelling poles are computed: the λ_k, and the signs of γ_i."""
 
     lambdas: tuple[Real, Real]
     signs: Vector

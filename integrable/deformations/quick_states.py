@@ -38,7 +38,8 @@ MOST_LOST, LOST_DIGIT = 1e-20, -20
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# the body turns at most this many times as fast as the faster of its phases; the largest ratios occur for large d
+# upper bound of the body's angular velocity divided by the rate of its faster phase; the largest ratios occur for large
+# d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
@@ -50,8 +51,8 @@ class PackedCurves(NamedTuple):
     """A motion in double-doubles.
 
     ``curves`` are its ovals for times τ, ``turning`` those for phases in turns; ``levels`` are those of
-    :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. H and K are
-    ``before`` at the start; ``sizes`` are the units of their errors.
+    :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. ``before``
+    has H and K of the start, and ``sizes`` the units of their errors.
     """
 
     curves: tuple[OvalThetas, OvalThetas]
@@ -85,8 +86,8 @@ class QuickStates:
 
     def __init__(self, many: OnCurves) -> None:
         self._many = many
-        # both return None if numbers such as |M|² exceed the range of floats; the clock also does if 1/g needs too many
-        # samples or has resonant modes
+        # both functions return None if numbers such as |M|² exceed the range of floats. _clock also returns None if 1/g
+        # needs too many samples or has resonant modes
         self._packed: Callable[[CurvesCarrier], PackedCurves | None] = cache(lambda x: _unless(packed, x))
         self._clock = cache(lambda x: _unless(QuickClock, x.pace, self._packed(x)))
 
@@ -192,8 +193,9 @@ def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
 
 
 def grid_resolving(pace: Pace) -> tuple[int, int]:
-    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z: mode m as
-    nome^m, since the pole of z is at the imaginary half-period.
+    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z.
+
+    Mode m of z is of the size nome^m, since the pole of z is at the imaginary half-period.
     """
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
@@ -241,8 +243,8 @@ def turning(curve: OvalThetas) -> OvalThetas:
 
 
 def recorded_states(carrier: CurvesCarrier, there: Sequence[bool]) -> PointFormulas:
-    """The formulas of γ, M, H and K from the points on both curves, for motions of the kind of ``carrier``. Those
-    constants of the system that are not ``there`` are 0.
+    """The formulas of γ, M, H and K from the points on both curves, for motions of the kind of ``carrier``. ``there``
+    says which constants of the system are not 0.
     """
     N, frame, count = PairField(), carrier.frame, sum(there) + len([*flat(carrier.frame)])
 

@@ -36,11 +36,11 @@ SLOPES = (-1, -1, 1), (1, -1, -1)
 
 
 class FreeFrame(NamedTuple):
-    """The constants from which states without potential are computed. The axes are those of the tilde pair on whose
-    curves the motion runs.
+    """The constants from which the states of a pair without potential are computed. The axes are those of the tilde
+    pair on whose curves the motion runs.
 
-    ``spread`` is λ1 − λ2. e_i = w_i/|M| is proportional to ``weights``_i·p_iq_i, where p_i and q_i are the roots at
-    axis i on the two curves. ``leans`` are the factors of N_i (:mod:`integrable.deformations.two_curves`),
+    ``spread`` is λ1 − λ2. w_i/|M| is proportional to ``weights``_i·p_iq_i, with the roots p_i and q_i = ±√|Z − μ_k/I_i|
+    on the curves k = 1 and 2. ``leans``_i is the constant factor of N_i (:mod:`integrable.deformations.two_curves`),
     ``contact`` is 1 − da_i, ``side`` the sign of γ and M. ``back`` is the diagonal of the lift to a check or hat pair,
     empty if there is none.
     """
@@ -84,7 +84,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
 class OvalCarrier(CurvesCarrier):
     """The motion of a tilde, check or hat pair over the field of ``system``.
 
-    ``pair`` is the tilde pair on whose curves it moves: ``inner`` itself, or the tilde pair of A⁻¹.
+    ``pair`` is the tilde pair on whose curves the motion runs: ``inner``, the system with its axes in ascending order
+    of the moments, or for a check or hat pair the tilde pair of A⁻¹.
     """
 
     pace: Pace

@@ -89,7 +89,10 @@ def expand_about(tape: tuple[Row, Row, Row, Row], order: int, tolerance: float, 
 
 
 def step_within(order: int, tolerance: float, count: int, series: Row) -> float:
-    """The largest step at which the last two terms are below the tolerance; 0 if they are NaN."""
+    """The largest step at which the last two terms of the series are below exp(``tolerance``); 0 if they are NaN.
+
+    Terms are measured relative to the largest of the three variables of a vector.
+    """
     width, found, most = order + 1, 1e300, abs(series[0])
     for n in range(1, count):
         most = max(most, abs(series[n * width]))

@@ -168,7 +168,7 @@ def _image(system: Hamiltonian, state: State) -> _Image:
 
 
 def _first(K: Any, x: Any, y: Any) -> bool:
-    """Whether λ = x precedes λ = y: over the reals if x is larger, over an exact field if its key is smaller."""
+    """Whether λ = x precedes λ = y: over the reals if x > y, over an exact field if ``K.key(x) < K.key(y)``."""
     if not K.exact:
         return bool(x > y)
     while isinstance(x, Jet):
@@ -208,13 +208,13 @@ def _state(
 
 
 class CurveTranslation(Step):
-    """The map that adds [multiple](x_k, ±) to the point of each curve.
+    """The map that adds, on each curve, ``multiple`` times the point with a given abscissa.
 
-    ``points`` = (x1, x2) are values of ũ; None adds nothing on that curve. The map preserves λ1 and λ2, hence H and K.
-    It preserves the bracket, because on each curve it is the time-1 map of the Hamiltonian F = δ√λ with δ fixed: the
-    motion for the time 2F'(λ). It commutes with the flow in τ. Over RR and MP the signs of γ follow by continuity from
-    the identity; over exact fields they are those of the field's square roots. NotASquare if the image is not over the
-    field. Over the reals the image is real if μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
+    ``points`` = (x1, x2) are the abscissas, as values of ũ; None adds nothing on that curve. The map preserves λ1 and
+    λ2, hence H and K. It preserves the bracket, because on each curve it is the time-1 map of the Hamiltonian F = δ√λ
+    with δ fixed: the motion for the time 2F'(λ). It commutes with the flow in τ. Over RR and MP the signs of γ follow
+    by continuity from the identity; over exact fields they are those of the field's square roots. NotASquare if the
+    image is not over the field. Over the reals the image is real if μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
     """
 
     def __init__(
@@ -301,7 +301,10 @@ def curves_of(system: Hamiltonian) -> Hamiltonian:
 
 
 def lifted(system: Hamiltonian, state: State) -> State:
-    """The state of the tilde pair that corresponds to a state; NotASquare if √a_i or |Bγ| is not in the field."""
+    """The state of the tilde pair that corresponds to a state.
+
+    NotASquare if √a_i or |Bγ| (:class:`integrable.deformations.hamiltonian.Isometry`) is not in the field.
+    """
     K, isometry = system.field, system.isometry()
     return state if isometry is None else State(*lift(K, roots(K, isometry.squares), *state.vectors))
 

@@ -79,9 +79,9 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
     """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
     at time 0.
 
-    A state consists of the nine entries of an orientation and ω in the axes of the tensor. Motions over a few turns are
-    short runs of compiled code, as in :class:`integrable.ensembles.ensemble.Ensemble`; the others are computed by
-    :meth:`motion`.
+    A state consists of the nine entries of an orientation and ω in the axes of the inertia tensor. Motions over a few
+    turns are short runs of compiled code, as in :class:`integrable.ensembles.ensemble.Ensemble`; the others are
+    computed by :meth:`motion`.
     """
 
     _columns, _arrays = COLUMNS, ("orientations", "omega", "contacts")
@@ -191,12 +191,12 @@ class LaboratoryRuns(Runs):
 
     @property
     def matrices(self) -> np.ndarray:
-        """The matrices, (K, N, 3, 3), that take vectors from the axes of the tensor to the laboratory."""
+        """The matrices, (K, N, 3, 3), that take vectors from the axes of the inertia tensor to the laboratory."""
         return self._rows[..., :9].reshape(*self._rows.shape[:2], 3, 3)
 
     @property
     def omega_body(self) -> np.ndarray:
-        """The angular velocity in the axes of the tensor, (K, N, 3), in rad/s."""
+        """The angular velocity in the axes of the inertia tensor, (K, N, 3), in rad/s."""
         return self._rows[..., 9:]
 
     @property

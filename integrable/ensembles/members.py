@@ -57,10 +57,10 @@ class Many(Record, Generic[One]):
 class Contents(NamedTuple):
     """The content of a file about motions.
 
-    ``states`` has an entry for each array of the file: the numbers of a state that the array contains, and its
-    :class:`Column` with axes and units, whose values are filled in later.
-    ``parameters`` have a value for each member; ``attributes`` apply to all members. ``identity`` is everything else on
-    which the states depend. ``words`` are the names of the ways to compute the states.
+    ``states`` maps the name of each array of states to the places of its numbers in a state, and to its :class:`Column`
+    with axes and units, whose values are filled in later. ``parameters`` have a value for each member; ``attributes``
+    apply to all members. ``identity`` is everything else on which the states depend. ``words`` are the names of the
+    ways to compute the states.
     """
 
     states: dict[str, tuple[slice | int, Column]]

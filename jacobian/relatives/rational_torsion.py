@@ -56,9 +56,10 @@ class RationalTorsion(NamedTuple):
 
 
 def rational_torsion(J: GroupLaw, height: int = 100) -> RationalTorsion:
-    """The torsion subgroup over QQ: in genus 2 all of it, else the subgroup that the classes found generate.
+    """The torsion subgroup over QQ: in genus 2 all of it, else the part that a search has found.
 
-    ``height``: the largest numerator and denominator of x of the points used, 1 … 1000. FieldError over other fields.
+    The search uses the points whose x has a numerator and a denominator up to ``height``, 1 … 1000. FieldError over
+    other fields.
     """
     if J.field != QQ:
         raise FieldError(f"field = {J.field.name}: this is torsion over QQ; torsion(m) is that of a finite field")
@@ -105,13 +106,16 @@ def _first_reductions(J: GroupLaw) -> list[Subgroups]:
 
 
 def _exponents(reductions: list[Subgroups]) -> dict[int, list[int]]:
-    """For each prime ℓ the largest exponents, descending, that the ℓ-part over QQ can have, by all reductions."""
+    """For each prime ℓ bounds of the exponents of the ℓ-part over QQ, descending: the least in all the reductions."""
     shared = (ell for ell in reductions[0] if all(ell in groups for groups in reductions))
     return {ell: list(map(min, zip(*(groups[ell].exponents for groups in reductions), strict=False))) for ell in shared}
 
 
 def _grow(group: PrimaryGroup, reductions: list[Subgroups]) -> None:
-    """Enlarges a group to all rational classes of ℓ-power order in genus 2, by a reduction with a small ℓ-part."""
+    """Enlarges ``group`` to all rational classes of ℓ-power order in genus 2.
+
+    The classes are lifted from a reduction of J: of the suitable ones, that with the smallest ℓ-part.
+    """
     known = sorted((groups[group.prime] for groups in reductions), key=lambda whole: whole.order)
     later = (sylow_subgroup(reduced, group.prime) for reduced in _reductions(group.zero.jacobian))
     for among in chain(known, later):
@@ -165,7 +169,10 @@ def _two_torsion(J: GroupLaw) -> Iterator[Divisor]:
 
 
 def differences(J: GroupLaw, height: int) -> Iterator[Divisor]:
-    """Yields P − P₀ for the other points P with x up to this height; P₀ is at infinity if there is a point there."""
+    """Yields the classes P − P₀ of the points P ≠ P₀ whose x has a height up to ``height``.
+
+    P₀ is a point at infinity if there is one.
+    """
     points = list(J.curve.points(height))
     points.sort(key=lambda P: isinstance(P, AffinePoint))
     for P in points[1:]:

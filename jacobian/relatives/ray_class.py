@@ -36,11 +36,12 @@ from jacobian.relatives.fibre import FibreGroup, Function, Unit, conjugate
 
 
 class RayClassGroup(Immutable):
-    """The generalized Jacobian of ``curve`` with modulus the points over x₀, ``x0`` = None being x₀ = ∞.
+    """The generalized Jacobian of ``curve`` whose modulus consists of the points with x = ``x0``, None standing for ∞.
 
     The curve has any genus, and any model for which this package has a Jacobian. ``jacobian``: the Jacobian onto which
     this group maps; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`. FieldError over an inexact
-    field; there :class:`jacobian.relatives.glued.GeneralizedJacobian` is the group of an elliptic curve and ∞₊ + ∞₋.
+    field. For an elliptic curve with modulus ∞₊ + ∞₋, :class:`jacobian.relatives.glued.GeneralizedJacobian` also
+    computes over inexact fields.
     """
 
     def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:
@@ -191,7 +192,10 @@ class RayClassGroup(Immutable):
         return poly.neg(K, v if move is None else poly.add(K, v, move)), (K.one,)
 
     def _generator(self, triple: cantor.Triple) -> list[Function]:
-        """The factors of φ_D, a function that has the divisor D at the points over x₀, without functions of x."""
+        """The factors of φ_D, a function that has the divisor D at the points over x₀.
+
+        Factors that are functions of x alone are left out.
+        """
         if self.x0 is None:
             return self._generator_at_infinity(triple)
         K, model, (u, v, _) = self.field, self.jacobian._model, triple
@@ -220,8 +224,9 @@ class RayClassGroup(Immutable):
 class RayClass(Immutable):
     """A class of a :class:`RayClassGroup`, with ``+``, ``−``, ``m * C``, ``==`` and ``hash``; immutable.
 
-    ``divisor``: its image in the Jacobian; ``unit``: the pair (a, 1) or (1, 0) of its class (a : b). ``bool(C)`` is
-    False for the identity. CurveMismatch where classes of two groups are combined.
+    ``divisor``: its image in the Jacobian. ``unit``: the class of the unit a + b·y on the modulus up to constants, as
+    the pair (a, 1) or (1, 0). ``bool(C)`` is False for the identity. CurveMismatch where classes of two groups are
+    combined.
     """
 
     def __init__(self, group: RayClassGroup, divisor: Divisor, unit: Unit) -> None:

@@ -12,9 +12,9 @@ q·y − p vanish on D and D', let b² be the leading coefficient of (p² − q�
 
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
-Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ', and the same with D and D' exchanged. This is a
-commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula s'' = P(e)/(b s s')
-gives σ''; with ν the addition stays regular where U(e) = 0.)
+Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. With D and D' exchanged the formula gives the
+same. This is a commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula s'' =
+P(e)/(b s s') gives σ''; with ν the addition stays regular where U(e) = 0.)
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class SignedDivisor(NamedTuple):
 
 
 class Row(NamedTuple):
-    """The equation divisor·x = value for a number x. ``terms``: over an inexact field, the sum of the absolute values
-    of the terms that were added to ``value``.
+    """The equation divisor·x = value for an unknown number x; ``divisor`` is a number too. ``terms``: over an inexact
+    field, the sum of the absolute values of the terms that were added to ``value``.
     """
 
     divisor: Any
@@ -76,9 +76,10 @@ class SignedGroup(Immutable):
         return f"<divisors of {self.curve!r} with signs at {len(self.branch_points)} branch points>"
 
     def lift(self, u: poly.Poly, v: poly.Poly, signs: Sequence[int] | None = None) -> SignedDivisor:
-        """The pair (u, v) with κ = 1 (−1 for weight one) and, at each branch point e, σ = √(κu(e)) times its sign.
+        """The pair (u, v) with κ = 1 (−1 for weight one), and σ = √(κu(e)) at each branch point e.
 
-        NotASquare where the field has no such root.
+        (σ, ν) is multiplied by the sign ±1 that ``signs`` has for e, by default 1. NotASquare where the field has no
+        such root.
         """
         K = self.field
         kappa = K.one if len(u) == 3 else K.neg(K.one)
@@ -120,7 +121,10 @@ class SignedGroup(Immutable):
         return D._replace(v=poly.neg(K, D.v), pairs=pairs)
 
     def double(self, D: SignedDivisor) -> SignedDivisor:
-        """D + D with κ = 1 (−1 for weight one): the square of D's κ, which the sum has, is moved into σ and ν."""
+        """D + D with κ = 1 (−1 for weight one).
+
+        :meth:`add` gives the sum κ² (−κ² for weight one) as its κ; the factor κ² is moved into σ and ν.
+        """
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
         scales = [K.mul(sign, k) for k in D.kappas]
@@ -223,7 +227,10 @@ class SignedGroup(Immutable):
     def _row(
         self, e: Any, q: Any, transfer: tuple[poly.Poly, poly.Poly], last: poly.Poly, pair: Pair, divisor: Any
     ) -> tuple[Row, Row]:
-        """The formulas for σ'' and ν'' at e from one summand's (L, N) = ``transfer``, L'' = ``last`` and pair."""
+        """The equations divisor·σ'' = Lσ + qν and divisor·ν'' = Nσ + L''ν at e, from one summand.
+
+        ``transfer`` is (L, N), ``last`` is L'' and ``pair`` is (σ, ν), in the letters of the module's docstring.
+        """
         K = self.field
         (slope, lower), (sigma, nu) = transfer, pair
         first = K.add(K.mul(poly.evaluate(K, slope, e), sigma), K.mul(q, nu))
@@ -236,7 +243,10 @@ class SignedGroup(Immutable):
         return Row(divisor, first, terms), Row(divisor, second, lower_terms)
 
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
-        """(σ'', ν'') from either summand with divisor ≠ 0, or over an inexact field by least squares from both."""
+        """(σ'', ν'') from the equations of :meth:`_row`, of which ``rows`` has two for each summand.
+
+        The equations of one summand with divisor ≠ 0 are solved; over an inexact field, those of both by least squares.
+        """
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
         if not used:

@@ -130,7 +130,10 @@ class TorsionLifts:
         )
 
     def _integers(self, x: list[int], modulus: int) -> list[int] | None:
-        """The primitive integers of at most ``bits`` bits that x can be modulo ``modulus``, unique, or None."""
+        """Integers without a common divisor that are proportional to x modulo ``modulus``, or None.
+
+        Each x_k is read as the fraction whose numerator and denominator have at most ``bits`` bits.
+        """
         fractions = [rational_of(c, modulus, 1 << self.bits) for c in x]
         if None in fractions:
             return None
