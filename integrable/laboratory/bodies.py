@@ -32,7 +32,7 @@ from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field
 
-# over MP(digits) a set-up has GUARD more digits than the results, and a flow INNER more
+# over MP(digits) a set-up has GUARD digits more than the results, and a flow INNER digits more than the results
 GUARD, INNER = 15, 5
 # M counts as vertical if its horizontal part is below VERTICAL rounding units of |M|; if the part is below NEARLY·|M|,
 # a flow in floats would lose digits
@@ -230,8 +230,8 @@ def _inner(field: Any, lost: int) -> Any:
 
 
 def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
-    """Whether Jω ∥ ω: exactly, or up to rounding if ω is nearly along the axis of an extreme moment, about which the
-    rotation is stable.
+    """Whether the angular momentum is parallel to ω, so that ω is constant. If ω is nearly along the axis of an extreme
+    moment, about which the rotation is stable, it suffices that they are parallel up to rounding.
     """
     size = max(map(abs, spin))
     if not size:

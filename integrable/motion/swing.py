@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 class Swing(NamedTuple):
-    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of the formulas, and θ and φ at the start."""
+    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of :mod:`integrable.motion.symmetric`, and θ and φ at the
+    start.
+    """
 
     r: Real
     r3: Real

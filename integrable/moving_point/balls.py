@@ -33,8 +33,8 @@ CONVOLVED = 6.6
 LARGEST_RADIUS = 4.0
 # bits of bounds on complex discs and of majorants, which need few
 BOUND_BITS = 64
-# a translation is computed by its series at a time that is halved once more per this many bits; each doubling back
-# widens balls by about 14 bits
+# the series of a translation is summed at a shorter time, and the result is doubled; for every HALVED_ONCE_MORE bits of
+# precision there is one further halving and doubling. A doubling widens balls by about 14 bits
 HALVED_ONCE_MORE = 300
 
 

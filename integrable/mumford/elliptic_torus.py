@@ -55,8 +55,8 @@ class OvalThetas(NamedTuple):
 
 
 def oval_points(oval: OvalThetas, times: Row, place: tuple[int, int], out: Row) -> None:
-    """Writes all R₁, then all R₂, then all R₃ at the N = ``len(out)``/3 times ``times[begin + step·n]``, where (begin,
-    step) = ``place``. This source is compiled unchanged.
+    """Writes the roots R₁, then R₂, then R₃ of an :class:`EllipticOval` at the N = ``len(out)``/3 times
+    ``times[begin + step·n]``, where (begin, step) = ``place``. This source is compiled unchanged.
     """
     numbers, count, (begin, step) = oval.numbers, len(out) // 3, place
     for n in abreast(0, count):

@@ -34,7 +34,7 @@ REAL = 1e-9
 
 
 class EnclosedTranslations(GroupTranslations):
-    # a midpoint nearer to the curve would not narrow a ball
+    # results are not moved back onto the curve: midpoints nearer to the curve would not narrow the balls
     _drifts = False
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
