@@ -42,9 +42,9 @@ VERTICAL, NEARLY = 64, 1e-2
 class RigidBody(Made):
     """A free rigid body: no torque acts about its centre of mass or, if a point of it is fixed, about that point.
 
-    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m². ``field``
-    is RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
-    axes, in the axes of the tensor.
+    ``inertia`` is its tensor about the centre of mass or the fixed point in any axes, or three moments in its principal
+    axes, in kg·m². ``field`` is RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes``
+    (3, 3) are the principal axes, in the axes of the tensor.
     """
 
     mass: Real | None = None

@@ -30,7 +30,9 @@ PANELS = 8
 
 
 class Vertical(Along):
-    """The flow of the free body, with the path of the ball. ``radius`` is a wide number, ``sign`` the sign of λ."""
+    """A ball with vertical momentum M = cγ. ``flow`` is that of the free body that turns as the ball does; ``radius``
+    is a wide number, and ``sign`` the sign of c.
+    """
 
     def __init__(self, flow: WideFlow, frame: Any, radius: Real, sign: int) -> None:
         super().__init__(flow, frame)

@@ -54,7 +54,9 @@ class WideFlow(Flow):
 
 
 class Uniform:
-    """A motion with constant ω: rotation about a principal axis, any rotation of a body with equal moments, or rest."""
+    """A motion with constant ω: rotation about a principal axis, any rotation of a body with three equal moments, or
+    rest.
+    """
 
     flow = None
 

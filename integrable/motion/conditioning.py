@@ -35,8 +35,8 @@ StatesAt = Callable[[Any, State, Sequence[Real]], tuple[np.ndarray, np.ndarray]]
 class Conditioning:
     """The largest values over the times of Σ |x ∂γ/∂x| and of Σ |x ∂M/∂x|/|M|, the sums being over the inputs x.
 
-    For a system without a body γ and M stand for q and p. Each is then relative to its size at the start or at that
-    time, whichever is larger.
+    For a system without a body γ and M stand for q and p. A change of q or of p is then relative to its size
+    at the start or at the same time, whichever is larger.
     """
 
     gamma: float

@@ -112,8 +112,8 @@ class RatePanels:
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """The number of decimal digits by which each Legendre coefficient of 1/g over ``length`` cells is smaller than
-        the one before, at least.
+        """A number of decimal digits: each Legendre coefficient of 1/g over ``length`` cells is smaller than the one
+        before by at least this many.
         """
         return self._scouts.digits_a_node(self._sign, length)
 

@@ -159,8 +159,8 @@ class EllipticTorus(FarTimes):
     """The divisor D of a motion of genus 1 at any times, in double-doubles.
 
     ``place(K)`` returns the :class:`Start` over K. PrecisionLoss if branch points are not real or too close, or
-    if the point is on an unbounded branch or at rest. It is also raised for data other than lifts, and for lifts on a
-    model of degree 4.
+    if the point is on an unbounded branch or at rest. It is also raised if the start has data other than lifts, or
+    lifts on a model of degree 4.
     """
 
     def __init__(self, place: Callable[[LongField], Start]) -> None:
