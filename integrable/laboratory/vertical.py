@@ -67,7 +67,7 @@ class Vertical(Along):
         gone = sums[:, None] * _turned(sin(half) * c - cos(half) * s, cos(half) * c + sin(half) * s, delta)
         return gone + _turned(*_double(sin(half), cos(half)), inside)
 
-    # --- one period
+    # --- one period of γ in the body
 
     @cached_property
     def _rates(self) -> tuple[Any, Any, Any]:

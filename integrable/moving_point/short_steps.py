@@ -57,8 +57,8 @@ LEAST_KAPPA = 2.0**-33
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
     """Computes the translations by h/2^l for levels l up to FINEST or further. The expansion gives the translations at
-    levels where its truncation error is below wide rounding; doubling gives the longer translations. Returns whether
-    the expansion suffices at some level.
+    levels where its truncation error is below the rounding of wide numbers; doubling gives the longer translations.
+    Returns whether the expansion suffices at some level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
