@@ -48,7 +48,7 @@ def animate(run: Any, path: File, fps: int) -> None:
     def update(frame: int) -> list[Any]:
         return [artist for each in updates for artist in each(frame)]
 
-    # the layout is computed once: for every frame it would take longer than the drawing
+    # the layout is computed once, because it takes longer than the drawing of a frame
     update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

@@ -140,7 +140,7 @@ class _Problem:
             try:
                 motion = type(self._body)(self.moments(x)).motion(turned, turned @ (self._omega + x[3:6]))
             except ArgumentError as error:
-                # a step has led to an impossible body
+                # a step of the least-squares method has led to an impossible body
                 raise ArgumentError(f"orientations: {UNDETERMINED} ({error})") from None
             self._known = key, motion
         return self._known[1]

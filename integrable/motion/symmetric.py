@@ -258,7 +258,7 @@ class SymmetricFlow:
         if self._flat:
             return 0 * x
         # at θ = π/2 the arctangent and Π each change by half a turn within a distance of about κ; cos ≥ 0 keeps both on
-        # the same side
+        # the same side of π/2
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2
