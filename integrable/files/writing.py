@@ -1,4 +1,5 @@
-"""Writes a frame to a file, in the format given by its suffix, with the format's usual library.
+"""Writes a :class:`~integrable.files.frame.Frame` to a file, in the format of its suffix, by that format's usual
+library.
 
 HDF5 files are made in memory, because the HDF5 library aborts the process when the disk is full.
 """

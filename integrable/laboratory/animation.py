@@ -48,7 +48,7 @@ def animate(run: Any, path: File, fps: int) -> None:
     def update(frame: int) -> list[Any]:
         return [artist for each in updates for artist in each(frame)]
 
-    # the layout is computed once: for every frame it would take longer than the drawing
+    # the layout is computed once, because it takes longer than the drawing of a frame
     update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
@@ -69,7 +69,9 @@ def _of_ffmpeg(target: Path) -> Iterator[None]:
 
 
 def _body(ax: Any, run: Any) -> Any:
-    """Draws ω and the front halves of the body's three great circles. Returns a function that updates the drawing."""
+    """Draws ω, and the front halves of three great circles that turn with the body, one in each of its coordinate
+    planes. Returns a function that updates the drawing.
+    """
     angles = np.linspace(0, 2 * np.pi, POINTS)
     c, s, zero = np.cos(angles), np.sin(angles), 0 * angles
     circles = np.array([[zero, c, s], [c, zero, s], [c, s, zero]])

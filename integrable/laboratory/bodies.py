@@ -32,7 +32,7 @@ from jacobian.element import Real, Table, Value
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import Field
 
-# over MP(digits) a set-up has GUARD more digits than the results, and a flow INNER more
+# over MP(digits) a set-up has GUARD digits more than the results, and a flow INNER digits more than the results
 GUARD, INNER = 15, 5
 # M counts as vertical if its horizontal part is below VERTICAL rounding units of |M|; if the part is below NEARLY·|M|,
 # a flow in floats would lose digits
@@ -42,9 +42,9 @@ VERTICAL, NEARLY = 64, 1e-2
 class RigidBody(Made):
     """A free rigid body: no torque acts about its centre of mass or, if a point of it is fixed, about that point.
 
-    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m². ``field``
-    is RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes`` (3, 3) are the principal
-    axes, in the axes of the tensor.
+    ``inertia`` is its tensor about the centre of mass or the fixed point in any axes, or three moments in its principal
+    axes, in kg·m². ``field`` is RR or MP(digits). ``moments`` (3,) are the principal moments; the columns of ``axes``
+    (3, 3) are the principal axes, in the axes of the tensor.
     """
 
     mass: Real | None = None
@@ -230,8 +230,8 @@ def _inner(field: Any, lost: int) -> Any:
 
 
 def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
-    """Whether Jω ∥ ω: exactly, or up to rounding if ω is nearly along the axis of an extreme moment, about which the
-    rotation is stable.
+    """Whether the angular momentum is parallel to ω, so that ω is constant. If ω is nearly along the axis of an extreme
+    moment, about which the rotation is stable, it suffices that they are parallel up to rounding.
     """
     size = max(map(abs, spin))
     if not size:

@@ -104,10 +104,10 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
 
 
 class _Problem:
-    """Residuals and their derivatives with respect to eight parameters, which are 0 at the guess.
+    """Residuals and their derivatives with respect to eight parameters.
 
-    The parameters are a turn of the start in the laboratory, changes of ω along the principal axes, and changes of the
-    logarithms of the first two moments.
+    The parameters are 0 at the guess. They are a turn of the start in the laboratory, changes of ω along the principal
+    axes, and changes of the logarithms of the first two moments.
     """
 
     def __init__(self, guess: Any, times: np.ndarray, orientations: np.ndarray) -> None:
@@ -140,7 +140,7 @@ class _Problem:
             try:
                 motion = type(self._body)(self.moments(x)).motion(turned, turned @ (self._omega + x[3:6]))
             except ArgumentError as error:
-                # a step has led to an impossible body
+                # a step of the least-squares method has led to an impossible body
                 raise ArgumentError(f"orientations: {UNDETERMINED} ({error})") from None
             self._known = key, motion
         return self._known[1]

@@ -46,6 +46,6 @@ def columns_of(dims: tuple[str, ...], run: Any, quantities: Iterable[str] | None
 
 
 def run_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
-    """The frame of a :class:`integrable.laboratory.motion.LaboratoryRun` along "time"."""
+    """The content of a file about a :class:`integrable.laboratory.motion.LaboratoryRun`, along the dimension "time"."""
     time = Column(("time",), run.times, "s", "physical time t")
     return Frame(("time",), {"time": time}, columns_of(("time",), run, quantities), about_body(run.motion.body))

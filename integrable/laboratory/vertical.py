@@ -30,7 +30,9 @@ PANELS = 8
 
 
 class Vertical(Along):
-    """The flow of the free body, with the path of the ball. ``radius`` is a wide number, ``sign`` the sign of λ."""
+    """A ball with vertical momentum M = cγ. ``flow`` is that of the free body that turns as the ball does; ``radius``
+    is a wide number, and ``sign`` the sign of c.
+    """
 
     def __init__(self, flow: WideFlow, frame: Any, radius: Real, sign: int) -> None:
         super().__init__(flow, frame)
@@ -61,15 +63,17 @@ class Vertical(Along):
         ends = self._path(np.array([-self._half_period, self._half_period]))
         delta = ends[1] - _turned(*_double(s, c), ends[0])
         sums = sin(half) / s if s else counts
-        # Σ_{j<n} R(jΔ)δ = (sin(nΔ/2)/sin(Δ/2))·R((n − 1)Δ/2)δ
+        # with the rotation R(φ) by φ, Σ_{j<n} R(jΔ)δ = (sin(nΔ/2)/sin(Δ/2))·R((n − 1)Δ/2)δ
         gone = sums[:, None] * _turned(sin(half) * c - cos(half) * s, cos(half) * c + sin(half) * s, delta)
         return gone + _turned(*_double(sin(half), cos(half)), inside)
 
-    # --- one period
+    # --- one period of γ in the body
 
     @cached_property
     def _rates(self) -> tuple[Any, Any, Any]:
-        """The frequency 1/T and the turns Δ/2π, both in wide numbers, and the field of these numbers."""
+        """(1/T, Δ/2π, field of these wide numbers): T is the period of γ in the body, and Δ the angle by which the ball
+        turns about the vertical in that period.
+        """
         portrait = self.flow.portrait
         if portrait.axis is None:
             raise PrecisionLoss(
@@ -84,12 +88,12 @@ class Vertical(Along):
 
     @cached_property
     def _half_turn(self) -> Any:
-        """Half of the angle Δ, without whole turns, by which the ball turns about the vertical in a period."""
+        """Half of the angle by which the ball turns about the vertical in a period of γ, without whole turns."""
         _, advance, wide = self._rates
         return self._field.coerce(wide.context.pi * (advance - wide.context.nint(advance)))
 
     def _path(self, times: np.ndarray) -> Any:
-        """The path x(s) of the point of contact at the times s, |s| ≤ T/2."""
+        """The path of the point of contact at times within half a period of γ before or after the start."""
         if self._field != RR:
             return np.array([self._by_gauss(t) for t in times], dtype=object).reshape(-1, 2)
         found = np.zeros((len(times), 2))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 class WideFlow(Flow):
     """A flow whose torus or closed form is set up from numbers with more digits than its field has.
 
-    Diagonalising a tensor and computing M from ω would round the user's floats, and that error grows with the phase.
+    Diagonalising a tensor and computing M from ω in floats would add rounding errors, whose effect grows with time.
     """
 
     def __init__(self, system: Any, state: State, wide_body: Body, wide_state: State) -> None:
@@ -54,7 +54,9 @@ class WideFlow(Flow):
 
 
 class Uniform:
-    """A motion with constant ω: rotation about a principal axis, any rotation of a body with equal moments, or rest."""
+    """A motion with constant ω: rotation about a principal axis, any rotation of a body with three equal moments, or
+    rest.
+    """
 
     flow = None
 

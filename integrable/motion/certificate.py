@@ -52,7 +52,7 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
 
 
 def _digits_of_turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
-    """The digits before the point of a bound of the angle of rotation until ``time``, in radians, plus SPARE."""
+    """The number of digits before the point of a bound, in radians, of the rotation until ``time``, plus SPARE."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return SPARE + ceil(K.context.log10(1 + abs(time) * fastest))

@@ -2,8 +2,9 @@
 
 An input known only to its last digit, x(1 + eps), changes the state at time t by eps·|x ∂state/∂x|, for any method.
 :func:`conditioning` sums these changes over all inputs: moments of inertia, d, the parameters of a deformation, γ and
-M. The changes are computed by differences of the motion itself. The rounding unit eps times the sum is the least error
-that a method in that arithmetic can promise (Higham 2002, section 1.6: forward error ≲ condition × backward error).
+M. The changes are computed by differences of the motion itself. The sum times the rounding unit eps of an arithmetic is
+the least error that a method in this arithmetic can promise (Higham 2002, section 1.6: forward error ≲ condition ×
+backward error).
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ StatesAt = Callable[[Any, State, Sequence[Real]], tuple[np.ndarray, np.ndarray]]
 class Conditioning:
     """The largest values over the times of Σ |x ∂γ/∂x| and of Σ |x ∂M/∂x|/|M|, the sums being over the inputs x.
 
-    For a system without a body γ and M stand for q and p. Each is then relative to its size at the start or at that
-    time, whichever is larger.
+    For a system without a body γ and M stand for q and p. A change of q or of p is then relative to its size
+    at the start or at the same time, whichever is larger.
     """
 
     gamma: float

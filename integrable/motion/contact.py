@@ -120,8 +120,8 @@ class Rolling:
         2).
 
         The middle a_i is subtracted from A, because the a_i hardly differ if m r² is large. Since (M, γ×M) = (γ, γ×M) =
-        0, this changes nothing. With p of Chaplygin's transformation to an upright body (tildes), n minus its mean is
-        ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃).
+        0, this changes nothing. Let p be that of Chaplygin's transformation (:mod:`integrable.phase.upright`), and
+        tildes mark the upright body. Then n = (γ, ω) minus its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃).
         """
         gamma, M = rows[:, :3], rows[:, 3:]
         w = np.cross(gamma, M)

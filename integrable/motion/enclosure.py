@@ -39,7 +39,7 @@ ELLIPSE = 3
 # approximate number of bits that balls lose in one addition
 LOST = 14
 MOST_PANELS = 100_000
-# largest number of doublings: with more, the number of steps exceeds the range of floats
+# largest number of doublings of a translation: with more, the number of steps exceeds the range of floats
 MOST_DOUBLINGS = 1000
 
 
@@ -149,7 +149,7 @@ class BallMotion:
 
     def _panel(self, middle: arb, half: arb) -> arb | None:
         """∫dτ/g from ``middle`` − ``half`` to ``middle`` + ``half``; None where the disc of analyticity is smaller than
-        the ellipse.
+        the panel's Bernstein ellipse.
         """
         axes, f, arb = self.problem.axes, self.problem.f, self._flint.arb
         needed = abs(half) * (ELLIPSE + 1 / ELLIPSE) / 2

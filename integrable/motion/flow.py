@@ -1,10 +1,10 @@
 """The exact flow: time is addition on the Jacobian.
 
-D(τ + δ) = D(τ) + T(δ), with T(δ) independent of the state (Abel quadratures; Tsiganov 2017, section 3). On a compact
-torus the state at any τ, or at any physical time t = ∫dτ/g, is found from six short series
-(:mod:`integrable.torus.access`). Within a few turns of the start, a short run computes the states without a torus
-(:mod:`integrable.motion.short`). Where floats or the torus do not suffice, and in multiprecision, states are computed
-with as many digits as they need (:mod:`integrable.motion.precise`).
+The divisor D(τ) of a motion obeys D(τ + δ) = D(τ) + T(δ), where the translation T(δ) is the same for all states (Abel
+quadratures; Tsiganov 2017, section 3). On a compact torus the state at any τ, or at any physical time t = ∫dτ/g, is
+found from six short series (:mod:`integrable.torus.access`). Within a few turns of the start, a short run computes the
+states without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not suffice, and in
+multiprecision, states are computed with as many digits as they need (:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
         body, M = self.system.body, max(map(abs, self.state.vectors[1]))
         sizes = (1, 1, 1, M, M, M, *[min(body.inertia) + body.d] * 4)
-        # there is no body with d < 0
+        # if d, the input with the index 9, is 0, its derivative is one-sided: there is no body with d < 0
         return Inputs(self._numbers, sizes, () if body.rolls else (9,)), COLUMNS
 
     @property

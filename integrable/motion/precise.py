@@ -128,8 +128,8 @@ class Carrier:
         return truth.difference(self.vectors(point), truth.vectors(truth.points([tau])[0]))
 
     def difference(self, found: Sequence[Sequence[Real]], truth: Sequence[Sequence[Real]]) -> int:
-        """The decimal exponent of the relative difference of (γ, M) from ``truth``; that of M is absolute, in units of
-        ``momentum``, where the true M is 0.
+        """The decimal exponent of the relative difference of (γ, M) from ``truth``. Where the true M is 0, the
+        difference of M is taken in units of ``momentum``.
         """
         worst = -NOTHING
         for vector, right, unit in zip(found, truth, (1, self.momentum), strict=True):
@@ -216,7 +216,7 @@ class ManyDigits:
         self.carrier = self._finest
 
     def enough(self, tau: Real) -> int | None:
-        """The digits by which errors may grow until τ; None if the carrier had too few and was replaced."""
+        """The number of digits by which errors may grow until τ; None if the carrier had too few and was replaced."""
         lost = self.carrier.lost(tau)
         missing = lost - self.expected - (self.carrier.digits - self.digits)
         if missing <= 0:

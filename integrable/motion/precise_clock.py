@@ -58,7 +58,8 @@ NONE = ClockLimits()
 
 class Nodes(NamedTuple):
     """Translations from the centre of a panel to its nodes, the same translations packed for :class:`PanelRates`, and
-    the ``roots`` of :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where roots lose digits.
+    the ``roots`` of :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where that function would
+    lose digits.
     """
 
     steps: list[Row]
@@ -112,8 +113,8 @@ class RatePanels:
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """The number of decimal digits by which each Legendre coefficient of 1/g over ``length`` cells is smaller than
-        the one before, at least.
+        """A number of decimal digits: each Legendre coefficient of 1/g over ``length`` cells is smaller than the one
+        before by at least this many.
         """
         return self._scouts.digits_a_node(self._sign, length)
 
@@ -172,7 +173,7 @@ class PanelClock(RatePanels):
         # t at the ends of long panels
         self._far: list[Real] = []
 
-    # --- the integral
+    # --- t, the integral of 1/g
 
     def _time(self, cell: int, x: Real) -> Real:
         series = self._coefficients(cell)
@@ -260,7 +261,7 @@ class PanelClock(RatePanels):
             self._long = self._at_nodes(x, LONG), weights
         return self._long
 
-    # --- one cell
+    # --- 1/g on one cell
 
     def _mean(self, cell: int) -> Real:
         """The mean of 1/g over a cell."""

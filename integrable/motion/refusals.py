@@ -74,8 +74,8 @@ def _place(reasons: list[str], why: str) -> int:
 def _refused(compute: Compute, values: np.ndarray, order: np.ndarray, why: str = "") -> tuple[np.ndarray, str]:
     """The rows of ``order`` from the first refused one on, found by bisection, and the reason.
 
-    A row is tried alone. If ``why`` is given, the reason for which all rows together were refused although each alone
-    is accepted, a row is tried with those before it.
+    By default each row is tried alone. ``why`` is given if all rows were refused together, for this reason, although
+    each alone is accepted. Then each row is tried together with all rows before it.
     """
     together = bool(why)
     low, high = 0, len(order) - together

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 
 class Swing(NamedTuple):
-    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of the formulas, and θ and φ at the start."""
+    """The constants r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω of :mod:`integrable.motion.symmetric`, and θ and φ at the
+    start.
+    """
 
     r: Real
     r3: Real
@@ -51,8 +53,8 @@ class Swing(NamedTuple):
         size = gmpy2.sqrt(g3 * g3 + (across / rate) ** 2)
         theta = gmpy2.atan2(g3, across / rate)
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, 0 * theta)
-        # φ turns the point of the ellipse of γ or of M, whichever is farther from the axis, to its position at the
-        # start
+        # φ is the angle from the point of the ellipse to the vector at the start, for γ or M, whichever is farther from
+        # the axis
         c, s = gmpy2.cos(theta), gmpy2.sin(theta)
         before_gamma, before_M = swing.ellipse(c, s)
         near_axis = c * c + kappa2 * s * s < 0.5

@@ -153,7 +153,7 @@ class SymmetricFlow:
         return N.result(tau * self.paces[1] - gap / number(self._rate))
 
     def _delay(self, count: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """The advance of θ/2π since the start beyond its mean, at θ = π·count + x."""
+        """(θ − θ₀)/2π minus the mean rate of θ/2π times the time since the start, at θ = π·count + x."""
         return self._kepler * (self._lean(self.numbers.cos(x) * _sign(count)) - self._start_lean)
 
     def _at_times(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -177,9 +177,10 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), N.pi * part
 
     def _turned_nearby(self, times: np.ndarray, gap: np.ndarray, turned: np.ndarray) -> np.ndarray:
-        """``turned``, recomputed from F(θ) − F(θ₀) where θ − θ₀ (about ``gap``) is small. φ may turn a million times as
-        fast as F, and the difference of two F loses digits. By the addition theorem the difference is F(ψ), with ψ as
-        below.
+        """The turns of φ due to F since the start: ``turned``, computed anew where θ − θ₀, about ``gap``, is small.
+
+        φ may turn a million times as fast as F, and the difference F(θ) − F(θ₀) of two values loses digits. By the
+        addition theorem it equals F(ψ) for an angle ψ whose sine is a function of θ and θ₀.
         """
         near, N = np.flatnonzero(np.abs(gap) < NEARBY), self.numbers
         if self._flat or not len(near):
@@ -253,11 +254,11 @@ class SymmetricFlow:
     # --- states
 
     def _turned(self, x: np.ndarray) -> np.ndarray:
-        """φ(x) − φ(0) as a function of θ, without the contribution of F."""
+        """φ at θ = x minus φ at θ = 0, without the contribution of F."""
         if self._flat:
             return 0 * x
         # at θ = π/2 the arctangent and Π each change by half a turn within a distance of about κ; cos ≥ 0 keeps both on
-        # the same side
+        # the same side of π/2
         N = self.numbers
         s, c = N.sin(x), np.maximum(N.cos(x), 0)
         k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2

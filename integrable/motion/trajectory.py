@@ -98,7 +98,7 @@ class Motion(Immutable):
         next(self._ways())
 
     def _off(self, rows: np.ndarray, way: str) -> tuple[np.ndarray, str]:
-        """(indices of the rows whose states are off the motion, defect of the first of them)."""
+        """(indices of the rows whose states are off the motion, what is wrong with the first of these rows)."""
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:

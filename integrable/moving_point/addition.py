@@ -75,8 +75,8 @@ def settled_pair(
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
     """The correction of :func:`settled` for one pair: one Gauss–Newton step.
 
-    ``trust`` is the squared ratio of the noise of U, V, W to the noise of the uncorrected pair. Where κ is small
-    (nearly equal moments) the pair hardly changes.
+    ``u``, ``v``, ``w`` are U, V, W at the branch point. ``trust`` is the squared ratio of their noise to the noise of
+    the uncorrected pair. Where κ is small (nearly equal moments) the pair hardly changes.
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)

@@ -82,7 +82,7 @@ class LongDoubles:
 
 
 class Multiprecision:
-    """Long numbers of ``bits`` bits in object arrays, which are also the wide numbers; the attributes are those of
+    """Long numbers of ``bits`` bits, in object arrays. They are also the wide numbers. The attributes are those of
     :class:`LongDoubles`. Compute with them inside a ``with numbers.field`` block.
     """
 

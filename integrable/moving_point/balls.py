@@ -33,8 +33,8 @@ CONVOLVED = 6.6
 LARGEST_RADIUS = 4.0
 # bits of bounds on complex discs and of majorants, which need few
 BOUND_BITS = 64
-# a translation is computed by its series at a time that is halved once more per this many bits; each doubling back
-# widens balls by about 14 bits
+# the series of a translation is summed at a shorter time, and the result is doubled; for every HALVED_ONCE_MORE bits of
+# precision there is one further halving and doubling. A doubling widens balls by about 14 bits
 HALVED_ONCE_MORE = 300
 
 
@@ -159,8 +159,8 @@ class Sizes(NamedTuple):
     tail: arb
 
     def times(self, other: Sizes) -> arb:
-        """The ``tail`` of a product, for orders not yet known. For the order k of the product, the weight 1/(i + 1)² of
-        a factor is at most 4/(k + 1)² if the order k − i of the other factor is in the first half.
+        """The ``tail`` of the product with another series, for orders k that are not yet known. Where a term of order i
+        meets one of order k − i in the first half of the known orders, 1/(i + 1)² is at most 4/(k + 1)².
         """
         return 4 * (self.head * other.tail + other.head * self.tail) + CONVOLVED * self.tail * other.tail
 
@@ -172,7 +172,7 @@ class Sizes(NamedTuple):
 def majorant(f: Sequence[arb], rows: Expansion, ratio: arb) -> tuple[arb, ...]:
     """The tails (:class:`Sizes`) of the series u0, u1, v0 and v1; () if the known orders do not prove them.
 
-    The tails hold for the known orders k < n. If the recurrences of
+    The tails are chosen so that they hold for the known orders k < n. If the recurrences of
     :func:`integrable.moving_point.translations.expand_orders` prove them for k = n, they do so for all later k, because
     their divisors grow.
     """

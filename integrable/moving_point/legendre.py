@@ -38,8 +38,8 @@ def legendre_rule(K: MultiprecisionField, count: int) -> tuple[list[Real], list[
 def integral(
     K: MultiprecisionField, function: Callable[[np.ndarray], np.ndarray], first: Real, last: Real, loss: float
 ) -> np.ndarray:
-    """The integral from ``first`` to ``last`` of a ``function`` that maps N times to an array of shape (N, m). The
-    number of nodes is raised until the last Legendre coefficients are below ``loss`` times the rounding of K.
+    """The integral from ``first`` to ``last`` of a ``function`` that maps an array of N times to one of shape (N, m).
+    The number of nodes is raised until the last Legendre coefficients are below ``loss`` times the rounding of K.
     PrecisionLoss if too many nodes are needed.
     """
     half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16

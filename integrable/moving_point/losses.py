@@ -51,7 +51,7 @@ def drift(setup: Setup, point: Row) -> Real:
         # M is divided by |M| at the start, so the true h2 is 1 and the true h1 is ``ratio``
         _, M = directions_of(tuple(point))
         h2 = sum(m * m for m in M)
-        # σ = gγ stands for γ, so the weight d·g² becomes d
+        # H1 = (M, AM) + d·g²·(γ, AM)² is computed from σ = gγ instead of γ, so the weight is d
         h1 = energy(setup.bare.axes[:3], reals.number(setup.problem.d), point[4:7], M)
         return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
 

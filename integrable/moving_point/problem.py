@@ -100,7 +100,7 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
     out[TIME_SCALE], out[RATIO], out[HEAVINESS], out[MOMENTUM] = 2 * top * spin, ratio, e * top, spin
     out[HALF_STEP] = 2 * REACH * min(out[6], out[7], out[8], ratio) / root(-out[0])
     out[MATRIX], out[MATRIX + 1], out[MATRIX + 2], out[MATRIX + 3] = across, -(s * k), across * rise, s
-    # r_i = 1 − dα_i, and Πr_i = (1 − du₁)(1 − du₂)/g²
+    # r_i = 1 − dα_i, and Πr_i = (1 − du₁)(1 − du₂)/g² for the roots u₁ and u₂ of U
     out[SLOWNESS] = s * root(r[0] * r[1] * r[2])
     out[CONTACT], out[CONTACT + 1], out[CONTACT + 2] = r
     out[INVARIANTS], out[INVARIANTS + 1] = h1, h2
@@ -159,8 +159,8 @@ def made_upright(
 
 
 def put_curve(given: Row, a: Vector[Real], body: Contact, gamma: Vector[Real], M: Vector[Real], out: Row) -> Real:
-    """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i and κ_i to ``out``.
-    Returns the ratio H1/(H2·X).
+    """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i = a_i/X and κ_i to
+    ``out``. Returns the ratio H1/(H2·X). X is the largest a_i.
     """
     contact, d = body
     h1, h2 = energies(a, contact, d, gamma, M)

@@ -118,7 +118,9 @@ def first_half(room: ShortRoom) -> float:
 
 
 def panel_half(reach: float) -> float:
-    """Half the length of a panel, rounded to few digits so that positions of panels are exact in floats."""
+    """Half the length of a panel, from half of a basic step. It is rounded to few digits, so that positions of panels
+    are exact in floats.
+    """
     mantissa, exponent = frexp(LENGTH * reach)
     return ldexp(floor(mantissa * 2**20) / 2**20, exponent)
 
@@ -188,8 +190,8 @@ def centre_after(room: ShortRoom, n: int, sign: int) -> int:
 def panel(
     room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, n: int, hint: int, i: int, sign: int
 ) -> tuple[int, int, int]:
-    """Computes the n-th panel, halved where necessary; returns (status, least level of halving, index of the next
-    time). ``hint`` is the level of halving that earlier panels needed.
+    """Computes the n-th panel, halved where necessary, at least ``hint`` times. Returns (status, the ``hint`` for the
+    next panel, index of the next time).
     """
     level, place, least, status = 0, 0, LEVELS, 0
     while True:
@@ -249,7 +251,7 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
     """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, with a clock, of 1/g divided
-    by four times its mean. Both are multiplied by the motion's ``lift``.
+    by four times its mean. Both are multiplied by ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
@@ -285,8 +287,8 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
 
 
 def stepless(room: ShortRoom, rule: Rule) -> float:
-    """The largest jump of γ or w between the right end of the previous panel and the left end of this one, times the
-    motion's ``lift``.
+    """The largest jump of γ or w between the right end of the previous panel and the left end of this one, times
+    ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
     """
     worst = 0.0
     for e in range(6):

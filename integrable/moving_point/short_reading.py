@@ -158,7 +158,9 @@ def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) ->
 def short_state(
     motion: FloatMotion, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
 ) -> None:  # fmt: skip
-    """Writes γ and M, computed from a common multiple of σ and ν."""
+    """Writes γ and M of the given motion. (s, n) are γ and w = γ × M/|M| of the upright motion, times a common factor
+    above 0.
+    """
     scale = 1 / sqrt(s0 * s0 + s1 * s1 + s2 * s2)
     x, y, z = s0 * scale, s1 * scale, s2 * scale
     lean = x * n0 + y * n1 + z * n2

@@ -48,8 +48,8 @@ from jacobian.numbers.roots import root
 # the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
 # double-doubles
 OFF_BY = 2.0**-99
-# in :func:`levelled`: at a squared slope of this size, relative to its upper bound, the damped turn of ν is half as
-# long as required
+# :func:`levelled` turns ν. Where the squared derivative of f − V² − UW with respect to the turn is this fraction of its
+# upper bound, the damped turn is half the required one
 LEAST_SLOPE = 2.0**-20
 # if a product Π(α_i − α_j) is smaller than this, sums of quantities divided by it have too few digits
 LEAST_KAPPA = 2.0**-33
@@ -57,8 +57,8 @@ LEAST_KAPPA = 2.0**-33
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
     """Computes the translations by h/2^l for levels l up to FINEST or further. The expansion gives the translations at
-    levels where its truncation error is below wide rounding; doubling gives the longer translations. Returns whether
-    the expansion suffices at some level.
+    levels where its truncation error is below the rounding of wide numbers; doubling gives the longer translations.
+    Returns whether the expansion suffices at some level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
@@ -127,7 +127,9 @@ def expanded(rows: Expansion, axes: Row, eps: Real) -> Row:
 
 
 def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
-    """Computes the translations by h·x/2^level for all nodes x at the next level, in wide numbers and in floats."""
+    """Computes the translations by h·x/2^level for all nodes x, in wide numbers and in floats. The ``level`` is the
+    first whose translations are not computed yet.
+    """
     level, count = room.made[1], len(rule.nodes)
     while room.made[2] < FINEST + level:
         room.made[2] += 1
@@ -252,8 +254,9 @@ def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector
 
 
 def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: float) -> Vector[Real]:
-    """ν = ``y`` of a framed pair, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod U hardly depends on the
-    turn, no turn achieves this, and the turn is damped. ``off`` is the relative deviation of H1/H2 on the level set.
+    """ν = ``y`` of the pairs that :func:`framed` returns, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod
+    U hardly depends on the turn, no turn achieves this, and the turn is damped. ``off`` is the relative difference of
+    H1/H2 on the required level set from H1/H2 of the motion.
 
     f − V² − UW, with the W of :func:`framed`, is a multiple of Π(x − α_i). It is evaluated at c, below the least α_i.
     """
@@ -273,14 +276,14 @@ def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: 
 
 
 def on_pairs(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real]) -> Row:
-    """The moving point with given framed pairs, from κσ² = U, κσν = V."""
+    """The moving point with the pairs σ = ``x`` and ν = ``y``; at the branch points U = κσ² and V = κσν."""
     p = wide[7] * wide[8], wide[8] * wide[6], wide[6] * wide[7]
     p, q = times_each(r, p), times_each(r, sums(wide))
     return inner(p, x, x), -inner(q, x, x), inner(p, x, y), -inner(q, x, y), x[0], x[1], x[2], y[0], y[1], y[2]
 
 
 def sums(wide: Row) -> Vector[Real]:
-    """α_j + α_k for i = 1, 2, 3."""
+    """The sums α_2 + α_3, α_3 + α_1 and α_1 + α_2."""
     return wide[7] + wide[8], wide[8] + wide[6], wide[6] + wide[7]
 
 

@@ -60,7 +60,7 @@ class Translations:
     def _estimated_radius(self) -> float:
         """The radius of the expansion in half steps, from the decrease of its first coefficients in floats."""
         with self.reals:
-            # in half steps the curve is f·half_step²
+            # if half a step is the unit of time, the curve is f·half_step²
             f = tuple(float(c * self.half_step * self.half_step) for c in self.f)
         rows = expansion_of([0.0] * (7 * SCOUT))
         expand_orders(f, rows, 0, SCOUT)

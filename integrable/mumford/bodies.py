@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 GUARD, DIGITS_APART = 6, 4
 # largest rotation, in radians, for which a clock is set up
 FARTHEST = 1e100
-# periods lose DIGITS_A_GAP digits for each leading digit that two branch points share, which are at most MOST_SHARED
+# periods lose DIGITS_A_GAP digits for each leading digit that two branch points share; up to MOST_SHARED shared digits
+# are counted
 DIGITS_A_GAP, MOST_SHARED = 3, 100
 # approximate length of a panel of the clock on a separatrix, in radians
 STEP = 0.5
@@ -116,7 +117,7 @@ class BodySystem(SurfaceSystem):
     _constraint_names = ("|γ| = 1", "(γ, M) = 0", "M ≠ 0")
 
     def _light(self, N: FormulaField) -> tuple[Real, Real]:
-        """Defined by subclasses: the coefficients (p, q) of l."""
+        """Defined by subclasses: the coefficients (p, q) of the linear function l(x) = p + qx."""
         raise NotImplementedError
 
     def _weights(self, N: FormulaField) -> tuple[Real, ...]:
@@ -213,9 +214,10 @@ class BodySystem(SurfaceSystem):
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
     def _rate_curve(self, N: FormulaField, state: Point) -> tuple[RateCurve, tuple[Real, Real]]:
-        """The motion on Y² = (X − ζ)Π(α_i − X)(1 − X), X = 1 − l(x)/L with L = 2 max c_i, for a :class:`SeriesClock`.
+        """The motion on Y² = (X − ζ)Π(α_i − X)(1 − X) for a :class:`SeriesClock`, and d/dτ of Σ∫dX/Y and Σ∫X dX/Y.
 
-        The start of the curve is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where dt/dτ = 1/√Σσ_i².
+        X = 1 − l(x)/L with L = 2 max c_i; ζ and α_i are the values of X at H₁/H₂ and at the a_i. The ``start`` of the
+        result is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where dt/dτ = 1/√Σσ_i².
         """
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()

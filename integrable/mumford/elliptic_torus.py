@@ -55,8 +55,8 @@ class OvalThetas(NamedTuple):
 
 
 def oval_points(oval: OvalThetas, times: Row, place: tuple[int, int], out: Row) -> None:
-    """Writes all R₁, then all R₂, then all R₃ at the N = ``len(out)``/3 times ``times[begin + step·n]``, where (begin,
-    step) = ``place``. This source is compiled unchanged.
+    """Writes the roots R₁, then R₂, then R₃ of an :class:`EllipticOval` at the N = ``len(out)``/3 times
+    ``times[begin + step·n]``, where (begin, step) = ``place``. This source is compiled unchanged.
     """
     numbers, count, (begin, step) = oval.numbers, len(out) // 3, place
     for n in abreast(0, count):
@@ -159,8 +159,8 @@ class EllipticTorus(FarTimes):
     """The divisor D of a motion of genus 1 at any times, in double-doubles.
 
     ``place(K)`` returns the :class:`Start` over K. PrecisionLoss if branch points are not real or too close, or
-    if the point is on an unbounded branch or at rest. It is also raised for data other than lifts, and for lifts on a
-    model of degree 4.
+    if the point is on an unbounded branch or at rest. It is also raised if the start has data other than lifts, or
+    lifts on a model of degree 4.
     """
 
     def __init__(self, place: Callable[[LongField], Start]) -> None:

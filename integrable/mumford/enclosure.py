@@ -1,8 +1,9 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.moving_point.balls`).
 
 The constants of a system, a start and the times count as exact; a start is projected onto its constraints. A state at
-any time takes a few additions, so a far time needs little more than additional bits. If t is not linear in τ but a
-datum of the pair, as for geodesics, the interval Newton method finds τ at a time.
+any time takes a few additions, so a far time needs little more than additional bits. For some systems, such as
+geodesics, t is not linear in τ but one of the ``data`` of a pair (:class:`jacobian.relatives.extended.Extended`). The
+interval Newton method then finds τ at a time.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ REAL = 1e-9
 
 
 class EnclosedTranslations(GroupTranslations):
-    # a midpoint nearer to the curve would not narrow a ball
+    # results are not moved back onto the curve: midpoints nearer to the curve would not narrow the balls
     _drifts = False
 
     def _reference(self) -> tuple[list[Real], list[Real]]:

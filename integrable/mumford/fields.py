@@ -50,7 +50,9 @@ def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Real]) -
 
 
 def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
-    """(U', V') along c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
+    """(U', V') along the direction c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)) with r = W
+    mod U.
+    """
     size = len(u) - 1
     rest = poly.mod(K, cofactor(K, f, u, v), u)
     values = [poly.evaluate(K, b, a) for b in (u, v, rest)]
@@ -72,7 +74,10 @@ def lax_matrix(K: Arithmetic, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Po
 
 
 def lax_partner(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
-    """(x − a)M(x) = L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U, where 2L' = [L, M] along c_k = a^k."""
+    """The matrix (x − a)M(x) = L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U, with the L of :func:`lax_matrix`.
+
+    Along the direction c_k = a^k, 2L' = [L, M].
+    """
     matrix = lax_matrix(K, f, u, v)
     at_a = [[poly.evaluate(K, entry, a) for entry in row] for row in matrix]
     slope = poly.quotient(K, matrix[1][0], u)
@@ -89,7 +94,8 @@ def brackets(K: Arithmetic, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Real, ..
     """
     size = len(u) - 1
     phi = padded(K, poly.mod(K, phi, u), size + 1)
-    # the numerator is Σ m_ij x^i z^j with m antisymmetric, and its quotient by x − z has q_ij = Σ_{k>i} m_{k, i+j+1−k}
+    # the numerator of {U(x), V(z)} is Σ m_ij x^i z^j with m antisymmetric, and its quotient by x − z has the
+    # coefficients q_ij = Σ_{k>i} m_{k, i+j+1−k}
     m = [[K.sub(K.mul(u[i], phi[j]), K.mul(u[j], phi[i])) for j in range(size + 1)] for i in range(size + 1)]
     table = []
     for i in range(size):
