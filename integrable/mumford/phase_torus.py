@@ -28,8 +28,9 @@ HalfAngles = list[tuple[Column, Column]]
 class PhaseTorus(FarTimes):
     """A motion in double-doubles: :meth:`at` evaluates the function ``read`` at any times.
 
-    ``torus`` has the periods in long numbers; their field must be entered. ``read(halves, turned)`` is called with (sin
-    ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
+    ``torus`` has the periods in long numbers, and a PhaseTorus must be made inside a ``with`` block of their field.
+    ``read(halves, turned)`` is called with (sin ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis
+    since the start, as columns.
     """
 
     def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:

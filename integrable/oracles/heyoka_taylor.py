@@ -39,7 +39,7 @@ class Heyoka(Method):
         # neumann and garnier to T = 1 … 1000: python -m benchmarks heyoka)
         options = {"tol": number(setting), "fp_type": real, "time": number(0)}
         integrator = heyoka.taylor_adaptive(system, np.zeros(kind.size, real), **options)
-        # integrator, its arrays of state and parameters, and its outcome of a run that reached its end
+        # the integrator, its arrays of state and parameters, and what heyoka returns for a run that reached its end
         shared = integrator, integrator.state, integrator.pars, heyoka.taylor_outcome.time_limit
 
         def of_system(given: Given) -> Started:

@@ -97,7 +97,7 @@ def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:
-    """The values of σ at the times of a run, shape (N,)."""
+    """σ, the integral of Y(1/g) over τ with mean 0 (see the top of this file), at the times of a run: shape (N,)."""
     import flint
 
     K, portrait = run.system.field, run.flow.portrait

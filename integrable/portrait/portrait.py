@@ -152,7 +152,8 @@ class Portrait(Immutable):
         """The frequencies (ν1, ν2) and the mean of g over t, in wide numbers."""
         level, ovals = self.level, self.ovals
         if ovals is None:
-            # the limit is the rotation about the middle axis, at the rate a₂√h̃2 in the time of the upright body
+            # on the separatrix the limit of the motion is the rotation about the middle axis, with the rate a₂√H̃2 in
+            # the time of the upright body
             (r1, _, r3), pi = level.contact, level.pi
             one = r1 / r1
             mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))
