@@ -443,7 +443,7 @@ class MumfordFlow(StateFlow[Path]):
         return StatesReached(SERIES, near.states, near.places)
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
-        """The states at times from a torus, shape (N, 2, n)."""
+        """The states that a torus gives at the N ``times``, shape (N, 2, n)."""
         import numpy as np
 
         from integrable.mumford.columns import Column, Columns

@@ -156,7 +156,7 @@ class MumfordMotion:
         self._placed: dict[int, Placed] = {}
         # t and τ of the last row
         self._reached: tuple[Any, Any] = (None, None)
-        # the bits beyond those requested that have sufficed so far
+        # the number of bits, beyond those requested, that has sufficed for all rows so far
         self._extra = OF_START + OF_GENUS * genus
 
     def row(

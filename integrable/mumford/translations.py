@@ -144,7 +144,7 @@ class GroupTranslations:
         return self._doubles[k]
 
     def _single(self, k: int) -> Extended | None:
-        """T(2^k h), minus P₀ if there is one; None while it is not in general position, where doubling loses bits."""
+        """T(2^k h), minus P₀ if there is one; None while T(2^k h) is not in general position: its sums lose bits."""
         for j in range(FRACTION + len(self._singles), k + 1):
             S = self._singles.get(j - 1)
             if S is not None:

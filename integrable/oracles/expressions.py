@@ -259,7 +259,7 @@ class Numbers:
         self.zero, self.one = (self.book.line("number", Fraction(x), value=Fraction(x)) for x in (0, 1))
 
     def coerce(self, x: Any, _argument: str = "") -> Any:
-        """The symbol of a constant, one per object. A symbol is returned unchanged."""
+        """The symbol of a constant: the same object always has the same symbol. A symbol is returned unchanged."""
         if isinstance(x, Symbol):
             return x
         if isinstance(x, int) or x == 0:
