@@ -65,8 +65,8 @@ class PhaseTorus(FarTimes):
         return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
     def _sums(self, angles: np.ndarray, halves: HalfAngles, rest: Sequence[Column]) -> Column:
-        """For each form, the sum over the points of its integrals up to the ``angles``, minus the part that is linear in
-        the phases: shape (forms, N).
+        """For each form, the sum over the points of its integrals up to the ``angles``, minus the part that is linear
+        in the phases: shape (forms, N).
         """
         total = Column(0.0)
         for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):

@@ -34,7 +34,7 @@ def branch_points(body: Body) -> tuple[Real, ...]:
 
 
 def kappas(body: Body) -> tuple[Real, ...]:
-    """The factors κ of the pairs at all points of :func:`branch_points`."""
+    """The factors κ in U(e) = κσ² for the pairs (σ, ν) at all points e of :func:`branch_points`."""
     K = body.field
     values = [K.mul(r, c) for r, c in zip(body.contact, body.differences, strict=True)]
     if len(branch_points(body)) == 4:
