@@ -298,7 +298,9 @@ def real_row(values: Iterable[Complex | Real]) -> Row:
 
 
 def scaled_model(N: LongField, model: PairModel) -> ScaledModel:
-    """A model with real roots, with ℓ > 0 and the origin that keeps the most digits of distances of roots."""
+    """The :class:`ScaledModel` of a model with real roots. It has ℓ > 0, and its origin keeps the most digits of the
+    distances between roots.
+    """
     side = 1 if model.lead > 0 else -1
     points = [side * x for x in model.roots[::side]]
     gap, origin = max(((least_gap(points, x), x) for x in (N.zero, *points)), key=lambda found: found[0])

@@ -55,7 +55,7 @@ class GroupTranslations:
         self.unit = self.field.coerce(2.0 ** (math.frexp(self._series.reach)[1] - 1 - PART))
         self._start = pair[0]
         zero = self.field.zero
-        # ``_with`` has P₀ if every sum needs it; adding ``_back`` subtracts E and such a P₀
+        # ``_with`` holds P₀ if every sum needs it, else nothing; adding ``_back`` subtracts E, and P₀ if it is held
         between = [] if group.odd or group.genus % 2 == 0 else [self._placed(*point, zero, point[0])]
         self._with = tuple(between)
         self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))

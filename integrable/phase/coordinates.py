@@ -162,8 +162,10 @@ def pairs_of(
 
 
 def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
-    """(H1, H2) of a divisor's curve y² = 4(1 − dx)Π(a_i − x)(x·H2 − H1). CurveMismatch if the curve has another form,
-    over an inexact field to half the digits.
+    """(H1, H2) of a divisor's curve y² = 4(1 − dx)Π(a_i − x)(x·H2 − H1).
+
+    CurveMismatch if the curve has another form. Over an inexact field half of the digits of its coefficients must agree
+    with this form.
     """
     K: Any = body.field
     curve = D.jacobian.curve
