@@ -64,7 +64,8 @@ class CompiledTaylor(Method):
 
 
 def _built(kind: Kind, run: Callable[..., int], failure: Callable[[], Exception]) -> Built:
-    """A compiled loop ``run`` as the result of :meth:`integrable.oracles.method.Method.build`. This call compiles or loads the loop.
+    """A compiled loop ``run`` as the result of :meth:`integrable.oracles.method.Method.build`. This call compiles or
+    loads the loop.
 
     ``run`` writes the states into its last argument and returns its cost, or a negative number if it fails.
     """
