@@ -41,16 +41,16 @@ if TYPE_CHECKING:
 
 # largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
-# costs in microseconds: BY_ADDITIONS of additions, ON_TORUS of a torus by genus, LONGEST of the longest series worth
-# trying (python -m benchmarks near, real_torus)
+# BY_ADDITIONS is the cost of states by additions, and ON_TORUS that of states on a torus, for each genus. Taylor series
+# are tried up to a cost of LONGEST microseconds (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
-# the same if t is not linear in τ, which takes longer in genus 2
+# the costs on a torus if t is not linear in τ, which takes longer in genus 2
 ON_CLOCK = ON_TORUS | {2: Cost(750, 2)}
 # in genus ≥ 3 series with the finest steps are tried before a torus, up to this fraction of the cost of the torus
 SHARE_OF_FINEST = 1 / 3
-# in genus ≥ 3 fewer far times than this are computed by additions: in genus 3 six of them take 72 ms, as long as a
-# torus and its check (python -m benchmarks mumford)
+# in genus ≥ 3 states at fewer than TIMES_TO_TORUS far times are computed by additions: in genus 3 six states take
+# 72 ms, as long as a torus and its check (python -m benchmarks mumford)
 TIMES_TO_TORUS = 6
 Angles = Sequence[tuple[Any, Any]]
 """The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
@@ -66,7 +66,7 @@ class Point(NamedTuple, Generic[Element]):
 
 
 class Path(Run[Point[Any]]):
-    """States at ``times``: ``q`` and ``p`` are arrays of shape (N, n), of floats, or of objects over MP(digits).
+    """States at ``times``: ``q`` and ``p`` are arrays of shape (N, n), of floats or of numbers of MP(digits).
 
     ``way`` is the method that computed them: "series", "torus", "additions", or several of these. ``estimate`` is an
     estimate of the largest error relative to the largest component of q, or of p, at the same time. ``error`` and
@@ -129,9 +129,11 @@ class MumfordFlow(StateFlow[Path]):
 
     @cached_property
     def _recorded(self) -> tuple[Vectors, Start, np.ndarray] | None:
-        """(q, p) and the start in the long numbers of a torus, and those numbers of the recorded formulas that all
-        states of the motion share. None over a field other than RR, if no code is compiled, if data are complex, or if
-        the formulas of the system cannot be recorded.
+        """The start of the motion by recorded formulas, in the long numbers of a torus: (q, p), the :class:`Start`, and
+        the result of :meth:`integrable.mumford.recorded.PointFormulas.fixed`, which all states share.
+
+        None over a field other than RR, if no code is compiled, if data are complex, or if the formulas of the system
+        cannot be recorded.
         """
         formulas = self.system._formulas if self._in_floats and not self.system.complex_data else None
         if formulas is None:
@@ -153,7 +155,7 @@ class MumfordFlow(StateFlow[Path]):
         return self._after(self._near(given), given)
 
     def _after(self, near: Near | None, given: np.ndarray) -> Path:
-        """The states at the given times, of which Taylor series have reached those in ``near``."""
+        """The states at the given times. Those in ``near`` have been computed by Taylor series already."""
         if near is not None and near.places is None:
             way, states, error = SERIES, near.states, near.error
         else:
@@ -171,13 +173,15 @@ class MumfordFlow(StateFlow[Path]):
         return min(self._cost.of(count), LONGEST)
 
     def _near(self, times: np.ndarray) -> Near | None:
-        """The states at those times in floats that Taylor series reach at a lower cost than the next method."""
+        """The states by Taylor series, in floats: at all ``times`` that series reach at a lower cost than the next
+        method. None over a field other than RR, or if the formulas of the system cannot be recorded.
+        """
         kind = None if times.dtype.hasobject else self.system._kind
         return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
-        """The states in ``near``, and those that Taylor series with more digits reach at a lower cost than the next
-        method.
+        """The states in ``near``, and those at further ``times`` that Taylor series with more digits reach at a lower
+        cost than the next method. None if ``near`` is None.
         """
         if near is None:
             return None
@@ -340,7 +344,8 @@ class MumfordFlow(StateFlow[Path]):
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
         """The function ``pairs(K, halves, turned)`` that returns the pair of the state in :meth:`_states_on`.
 
-        Its data are the lifts, with the signs that they have at the start, 0 for a clock, and ``turned``.
+        The data of the pair are its lifts, with their signs at the start; 0 in place of the time t, where t is a datum;
+        and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])
@@ -369,7 +374,9 @@ class MumfordFlow(StateFlow[Path]):
         return pairs
 
     def _places(self, times: list[Real]) -> list[Real]:
-        """The values at the given times of the parameter by which :meth:`_row` finds a state: t, or τ of a body."""
+        """The arguments with which :meth:`_row` finds the states at ``times``: the times themselves, unless a subclass
+        converts them to values of τ.
+        """
         return times
 
     @property
@@ -428,7 +435,7 @@ class MumfordFlow(StateFlow[Path]):
         return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 
     def _walked(self, times: np.ndarray) -> StatesReached | None:
-        """The states at those times that Taylor series reach at a lower cost than additions."""
+        """The states by Taylor series, at all ``times`` that series reach at a lower cost than additions."""
         kind, given, most = self.system._kind, self._walk_given, self._cost_of_additions(len(times))
         if kind is None:
             return None
@@ -436,7 +443,7 @@ class MumfordFlow(StateFlow[Path]):
         return StatesReached(SERIES, near.states, near.places)
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
-        """The states at times from a torus, shape (N, 2, n)."""
+        """The states that a torus gives at the N ``times``, shape (N, 2, n)."""
         import numpy as np
 
         from integrable.mumford.columns import Column, Columns

@@ -17,7 +17,10 @@ Pair = tuple[Poly, Poly]
 
 
 def plus_point(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real]) -> Pair:
-    """D + P − ∞ on a model of odd degree: R = V + cU with R(λ) = μ, Ũ = (f − R²)/(ℓU(x − λ)), Ṽ = −R mod Ũ."""
+    """D + P − ∞ for D = ``pair`` = (U, V) and P = ``point`` = (λ, μ), on a model of odd degree.
+
+    R = V + cU with R(λ) = μ, Ũ = (f − R²)/(ℓU(x − λ)) with the leading coefficient ℓ of f, and Ṽ = −R mod Ũ.
+    """
     (u, v), (x, y) = pair, point
     c = K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x))
     r = poly.add(K, v, tuple([K.mul(c, a) for a in u]))
@@ -25,7 +28,11 @@ def plus_point(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real]) -> 
 
 
 def plus_point_minus_infinity(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real], root: Real) -> Pair:
-    """D + P − ∞ on a model of even degree, where y ~ root·x^{g+1} at ∞: R = V + (−root·x + c)U, R(λ) = μ."""
+    """D + P − ∞ for D = ``pair`` = (U, V) and P = ``point`` = (λ, μ), on a model of even degree. At the subtracted
+    point ∞, y ~ root·x^{g+1}.
+
+    The result is (Ũ, −R mod Ũ) with R = V + (−root·x + c)U and R(λ) = μ, as in :func:`plus_point`.
+    """
     (u, v), (x, y) = pair, point
     c = K.add(K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x)), K.mul(root, x))
     r = poly.add(K, v, poly.mul(K, u, (c, K.neg(root))))
@@ -35,7 +42,8 @@ def plus_point_minus_infinity(K: Arithmetic, f: Poly, pair: Pair, point: tuple[R
 def shifted(K: Arithmetic, f: Poly, pair: Pair, root: Real) -> Pair:
     """D + ∞₋ − ∞₊ on a model of even degree, where y ~ root·x^{g+1} at ∞₊.
 
-    R = V + (−root·x + c)U, with c such that f − R² has no term x^{2g+1}.
+    The result for D = (U, V) is (Ũ, −R mod Ũ). Here R = V + (−root·x + c)U, with c such that f − R² has no term
+    x^{2g+1}, and Ũ has the zeros of f − R² other than those of U.
     """
     u, v = pair
     g = len(u) - 1
@@ -47,7 +55,11 @@ def shifted(K: Arithmetic, f: Poly, pair: Pair, root: Real) -> Pair:
 
 
 def plus_difference(K: Arithmetic, f: Poly, pair: Pair, point: tuple[Real, Real], other: tuple[Real, Real]) -> Pair:
-    """D + P − Q for P = (λ, μ), Q = (λ', μ'), λ ≠ λ': R = V + LU, L linear, R(λ) = μ and R(λ') = −μ'."""
+    """D + P − Q for D = ``pair`` = (U, V), P = ``point`` = (λ, μ) and Q = ``other`` = (λ', μ') with λ ≠ λ'.
+
+    The result is (Ũ, −R mod Ũ). Here R = V + LU with L linear, R(λ) = μ and R(λ') = −μ', and Ũ has the zeros of f − R²
+    other than λ, λ' and those of U.
+    """
     u, v = pair
     (x, y), (z, w) = point, other
     slopes = [
@@ -68,7 +80,8 @@ def _residual(K: Arithmetic, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
 
 
 def generating_function(K: Arithmetic, f_fixed: Poly, x: Real, u: Poly, new: Poly, c: Real) -> Real:
-    """The generating function F of D + P − ∞ on a model of odd degree: dF = Σp dx − Σp̃ dx̃, y = p.
+    """The generating function F of the map D ↦ D + P − ∞ on a model of odd degree: dF = Σp_i dx_i − Σp̃_i dx̃_i, where
+    (x_i, p_i) are the points of D and (x̃_i, p̃_i) those of its image.
 
     f = f_fixed + Σh_j x^j with integrals of motion h_j.
 

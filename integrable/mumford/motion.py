@@ -67,7 +67,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # the last times along the further directions and the pair at them, which many τ often share
+        # the last ``further`` that :meth:`at` was given, and D at τ = 0 and these times: many calls differ only in τ
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     def translations(self, which: int = 0) -> GroupTranslations:
@@ -78,7 +78,9 @@ class Placed:
 
     @cached_property
     def _ends(self) -> list[Real]:
-        """The branch points with lifts at which the pair has a point: if e is a double root of f, the point stays."""
+        """The branch points e such that the pair has a lift at e and a point at e. Where e is a double root of f, this
+        point stays at e.
+        """
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
@@ -122,7 +124,7 @@ class Placed:
         motion.
         """
         K, moved = self.field, self._moved
-        # K is a field of balls; their comparison with 0 is a proof
+        # eps is 0 over a field of balls, where a comparison with 0 is a proof
         if K.eps == 0:
             return moved <= 0
         still = moved <= STILL * K.eps
@@ -154,7 +156,7 @@ class MumfordMotion:
         self._placed: dict[int, Placed] = {}
         # t and τ of the last row
         self._reached: tuple[Any, Any] = (None, None)
-        # the bits beyond those requested that have sufficed so far
+        # the number of bits, beyond those requested, that has sufficed for all rows so far
         self._extra = OF_START + OF_GENUS * genus
 
     def row(
@@ -195,7 +197,7 @@ class MumfordMotion:
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
     def _read(self, bits: int, times: tuple[Real, ...], read: Read, clock: TimeAt | None) -> Vectors:
-        # precisions are multiples of APART, so that few are set up
+        # ``bits`` is rounded up to a multiple of APART, so that the motion is set up at few precisions
         bits = -(-bits // APART) * APART
         with LongField(bits, self._complex) as K:
             if bits not in self._placed:

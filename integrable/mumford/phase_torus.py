@@ -28,8 +28,9 @@ HalfAngles = list[tuple[Column, Column]]
 class PhaseTorus(FarTimes):
     """A motion in double-doubles: :meth:`at` evaluates the function ``read`` at any times.
 
-    ``torus`` has the periods in long numbers; their field must be entered. ``read(halves, turned)`` is called with (sin
-    ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis since the start, as columns.
+    ``torus`` has the periods in long numbers, and a PhaseTorus must be made inside a ``with`` block of their field.
+    ``read(halves, turned)`` is called with (sin ½φ, cos ½φ) of each point and (cos, sin) of each angle about an axis
+    since the start, as columns.
     """
 
     def __init__(self, torus: SeparatedTorus, read: Callable[[HalfAngles, HalfAngles], Any]) -> None:
@@ -64,8 +65,8 @@ class PhaseTorus(FarTimes):
         return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
     def _sums(self, angles: np.ndarray, halves: HalfAngles, rest: Sequence[Column]) -> Column:
-        """The sum of the integrals of each form up to these angles, minus its part linear in the phases: shape (forms,
-        N).
+        """For each form, the sum over the points of its integrals up to the ``angles``, minus the part that is linear
+        in the phases: shape (forms, N).
         """
         total = Column(0.0)
         for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):

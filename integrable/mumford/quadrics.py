@@ -49,7 +49,7 @@ class QuadricSystem(MumfordSystem):
         return Point((), ())
 
     def _barriers(self) -> Sequence[Real]:
-        """Defined by subclasses: the l_i, elements of the field."""
+        """Defined by subclasses: the constants l_i of the terms l_i²/q_i² of W, elements of the field."""
         return [self.field.zero] * len(self.constants)
 
     # --- derived from the methods above
@@ -84,7 +84,10 @@ class QuadricSystem(MumfordSystem):
         return (*[N.zero] * (genus - 1), poly.integer(N, -2))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
-        """The form ½εy dx/f₁ of p dq, since dq_i/q_i = ½Σdx/(x − a_i) and ΣV(a_i)/(f₁'(a_i)(x − a_i)) = V/f₁."""
+        """The form ½εy dx/f₁, whose sum over the points of a pair is p dq.
+
+        This follows from dq_i/q_i = ½Σdx/(x − a_i), p_i q_i = εV(a_i)/f₁'(a_i) and ΣV(a_i)/(f₁'(a_i)(x − a_i)) = V/f₁.
+        """
         return Form(poly.scale(N, self.sign * N.one / 2, self._spectral(N, state).f), self._constants_in(N))
 
     def _branches(self, N: FormulaField) -> tuple[Real, ...]:

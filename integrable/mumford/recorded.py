@@ -158,9 +158,11 @@ def shaped(shape: Sequence[Any], values: Iterator[Real]) -> tuple[Any, ...]:
 
 
 def divided(tape: Tape, count: int) -> tuple[np.ndarray, np.ndarray, Tape]:
-    """The ``codes`` and ``results`` of :func:`applied` for the operations on variables after the first ``count``, and
-    the tape of the ``fixed`` numbers that they need. TypeError for an exponential of these variables, which no compiled
-    loop computes.
+    """Divides a tape into the operations that depend on a variable after the first ``count``, and all others.
+
+    The result is the ``codes`` and ``results`` of :func:`applied` for the dependent operations, and a tape whose
+    results are the ``fixed`` numbers of :func:`applied`. TypeError if a dependent operation is an exponential, which no
+    compiled loop computes.
     """
     fixed = list[bool]()
     for kind, left, right in tape.nodes:
@@ -186,7 +188,7 @@ class LongTape:
         import gmpy2
 
         functions = {ROOT: gmpy2.sqrt, GROWTH: gmpy2.expm1, EXPONENTIAL: gmpy2.exp, LOGARITHM: gmpy2.log}
-        # a function of one number is on both sides of its node
+        # the node of a function of one number has this number both as its left and as its right operand
         operations = OPERATIONS | {kind: lambda x, _, f=f: f(x) for kind, f in functions.items()}
         self._results, used = tape.results, set(tape.results)
         self._variables, self._constants = list[tuple[int, int]](), list[tuple[int, Any]]()
@@ -222,17 +224,19 @@ class LongTape:
 
 
 def of_key(N: LongField, key: Key) -> Real:
-    """The value of a symbol that contains no constant of a system."""
+    """The value of the symbol with this ``key``: a number, or an operation on the values of two keys."""
     if key[0] == "number":
         return N.coerce(key[1])
     return OPERATIONS[key[0]](of_key(N, key[1]), of_key(N, key[2]))
 
 
 def applied(codes: Row, results: Row, fixed: Row, given: Row, room: Row, out: Row) -> None:
-    """Writes the values of a tape's results at all points to ``out``. ``codes`` are triples (kind, left, right) of
-    operations on places, and ``results`` are places: first those of the ``fixed`` numbers, then those of variables,
-    then those of operations. ``given`` has for each variable its values at all points; ``room`` is memory for BLOCK
-    values at each place.
+    """Evaluates a tape at all points and writes its results to ``out``.
+
+    The values of the tape are numbered: first the ``fixed`` numbers, then the variables, then the values of the
+    operations. ``codes`` has a triple (kind, left, right) for each operation, with the numbers of its two operands;
+    ``results`` are the numbers of the results. ``given`` has for each variable its values at all points. ``room`` is
+    memory for every value of the tape at BLOCK points.
     """
     count, wide = len(out) // len(results), len(results)
     variables = len(given) // count
@@ -253,7 +257,7 @@ def applied(codes: Row, results: Row, fixed: Row, given: Row, room: Row, out: Ro
 
 
 def operate(kind: int, left: int, right: int, room: Row, here: int, points: int) -> None:
-    """Writes an operation on ``points`` numbers from room[left …] and room[right …] to room[here …]."""
+    """Sets room[here + i] to the result of an operation on room[left + i] and room[right + i], i = 0 … points − 1."""
     if kind == SUM:
         for i in abreast(0, points):
             room[here + i] = room[left + i] + room[right + i]

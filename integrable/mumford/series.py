@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     Ball: TypeAlias = arb | acb
 
-# on the disc around a point the k-th term of f/f(x) is at most WITHIN^(−k)
+# on the disc |m| ≤ ``radius`` around a point (x, y) the term of order k of f(x + m)/f(x) is at most WITHIN^(−k)
 WITHIN = 2.5
 # Newton's method takes ROUGH_STEPS steps at ROUGH_BITS bits, and at most MOST_STEPS at full precision
 ROUGH_BITS, ROUGH_STEPS, MOST_STEPS = 64, 4, 60
@@ -164,7 +164,7 @@ class PointMotion:
         raise PrecisionLoss("a translation was not found at this precision: use more digits")
 
     def _missing(self, time: Ball, moves: Sequence[Ball]) -> list[Ball]:
-        """c_kτ − Σ_i∫x^k dx/y."""
+        """The residuals c_kτ − Σ_i∫x^k dx/y of the equations for the ``moves`` of the points in the ``time`` τ."""
         sums = self._sums(moves, slice(len(self._points)))
         return [c * time - total for c, total in zip(self._direction, sums, strict=True)]
 

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 OFF = 2.0**24
 # formulas stay in the range of floats if |q| and |p| are below LARGE and constants are 0 or between 1/LARGE and LARGE
 LARGE = 1e9
-# smallest tolerance that plain steps in floats can meet
+# smallest ``tolerance`` of a flow that Taylor series in floats can meet
 LEAST = 2.0**-50
 
 
@@ -223,7 +223,7 @@ class MumfordSystem(Made):
             return
         N = self.numbers
         inside = inside or self._inside(N, state)
-        # an infinite value is not beyond the range of floats here, but violates the constraint
+        # with ``finite=False`` an infinite value raises no PrecisionLoss; below it counts as a violated constraint
         values = self._formula(self._constraints, state, inside, finite=False)
         sizes = [None] * len(values) if N.exact or not any(values) else self._constraint_sizes(inside)
         for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
@@ -324,7 +324,7 @@ class MumfordSystem(Made):
 
     @property
     def _alike(self) -> tuple[object, ...]:
-        """Systems with equal keys differ only in their numbers, and share recorded formulas."""
+        """A key: systems with equal keys differ only in their numbers, and share recorded formulas."""
         return type(self), self.size, len(self.constants), self._standing
 
     @quick_property

@@ -71,13 +71,13 @@ CLOSE_TURNS = 16
 FURTHER = 4.0
 # Newton's method for the phases of the start ends if the lifts there differ from the given ones by less than ENOUGH. At
 # CHECKED points the derivatives of the lifts along the torus are compared with the equations of motion
-# (:func:`integrable.torus.pair_loops.lifts_strayed`). The difference may exceed OBEYED at AMPLIFIED points, because an
-# error of 1e-23 of some lifts grows to 4e-11 in a narrow peak of another, and must not exceed ROUGHLY
+# (:func:`integrable.torus.pair_loops.lifts_strayed`). The difference must be at most OBEYED at all but AMPLIFIED
+# points, and at most ROUGHLY at these: an error of 1e-23 of some lifts grows to 4e-11 in a narrow peak of another lift
 ENOUGH, OBEYED, AMPLIFIED, ROUGHLY = 1e-31, 1e-15, 4, 1e-10
 # the time at which the state is compared with another method, in turns of the faster phase
 WITNESS = 0.3
 
-# (κ, σ, ν) by branch point
+# the lift (κ, σ, ν) at each branch point e: κσ² = U(e), κσν = V(e)
 Lifts = dict[Complex, tuple[Real, Real, Real]]
 
 
@@ -115,7 +115,8 @@ class PairBasis(NamedTuple):
     ``shape`` is that of :func:`integrable.torus.theta_series.theta_weights`, ``real`` are 2Re τ₁₁, 2Re τ₁₂ and 2Re τ₂₂,
     ``chars`` the characteristics of the roots and of infinity. ``places`` are the phases at the start in turns,
     ``frequencies`` their turns per unit of the flow's own time. If both points are in bounded ovals, ``beyond`` are the
-    turns along (1, e₅), and ``slowness`` is the mean of |U(e₅)|^(−½).
+    turns of the phases per unit of time along the direction (1, e₅) with the largest root e₅, and ``slowness`` is the
+    mean of |U(e₅)|^(−½).
     """
 
     shape: Row
@@ -244,7 +245,7 @@ class ThetaTorus(FarTimes):
         if timed.power == 2:
             LIBRARY.mean_square(self._packed, k, basis.shape[3:], basis.beyond, room := loops.room(2 * k + 2))
         mean = scale * sum(map(N.coerce, (room[0] if timed.power == 2 else basis.slowness).tolist()))
-        # |U(e)| is (f_eθ_e/θ_∞)²
+        # |U(e)| = (``slope``·θ_e/θ_∞)² with the ``slope`` of the :class:`End` at e
         up, down = (1, 0) if timed.power == 2 else (0, 1)
         rate = RateSums(k, 2, timed.power < 0, False, loops.row((up, down, down, up, 0, 0, scale)))
         pace = 2 * pi * max(map(abs, self.paces))
@@ -257,7 +258,9 @@ class ThetaTorus(FarTimes):
 
 
 def ends_of(roots: Sequence[Complex], lifts: Lifts) -> list[int]:
-    """The indices of the branch points with lifts, in their order, and of others if there are fewer than two."""
+    """The indices in ``roots`` of the branch points with lifts, in the order of ``lifts``. If there are fewer than two
+    lifts, real branch points without lifts are added to make two.
+    """
     real, first = [k for k, e in enumerate(roots) if not e.imag], next(iter(lifts), 0)
     rest = sorted((k for k in real if roots[k] not in lifts), key=lambda k: -abs(roots[k] - first))
     found = [*(roots.index(e) for e in lifts), *rest][: max(2, len(lifts))]
@@ -267,8 +270,10 @@ def ends_of(roots: Sequence[Complex], lifts: Lifts) -> list[int]:
 
 
 class End(NamedTuple):
-    """A branch point e at which theta functions are needed: κ, ``slope`` = |f'(e)/ℓ|^¼, the ``target`` (σ, ν) at the
-    start in the units of a model, and the factors ``sizes`` that convert σ and ν from these units.
+    """A branch point e at which theta functions are needed, with the lift (κ, σ, ν) there at the start.
+
+    ``kappa`` is κ, ``slope`` is |f'(e)/ℓ|^¼, ``target`` is (σ, ν) in the units of a model, and ``sizes`` are the
+    factors that convert σ and ν from these units.
     """
 
     kappa: Real
@@ -293,7 +298,9 @@ def real_row(values: Iterable[Complex | Real]) -> Row:
 
 
 def scaled_model(N: LongField, model: PairModel) -> ScaledModel:
-    """A model with real roots, with ℓ > 0 and the origin that keeps the most digits of distances of roots."""
+    """The :class:`ScaledModel` of a model with real roots. It has ℓ > 0, and its origin keeps the most digits of the
+    distances between roots.
+    """
     side = 1 if model.lead > 0 else -1
     points = [side * x for x in model.roots[::side]]
     gap, origin = max(((least_gap(points, x), x) for x in (N.zero, *points)), key=lambda found: found[0])
@@ -331,7 +338,7 @@ def oval_basis(model: PairModel) -> PairBasis:
 
 
 def theta_basis(Z: LongField, model: PairModel) -> PairBasis:
-    """The data of theta functions of a motion, from long numbers; PrecisionLoss if it is on no real torus."""
+    """The data of theta functions of a motion, from long numbers; PrecisionLoss if the motion is on no real torus."""
     lead, roots = model.lead, [Z.coerce(e) for e in model.roots]
     found = real_basis(half_integrals(Z, roots, lead))
     tau = ratio(found.cycles)

@@ -20,23 +20,24 @@ from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about 2^−PART of the time in which a point reaches the boundary of its disc, so each term of a series gains at
-# least PART − 1 bits; T(2^k h) is in general position from about k = FRACTION on
+# h is about 2^−PART of the time in which the first point of E reaches the boundary of the disc of its series, so each
+# term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
 # T is in general position under two conditions, where R is the largest root of the U of E: the roots of the U of T are
 # at most NEAR·R in size, and at |x| = R the terms of V have a sum of absolute values of at most NEAR·√(that of f). V is
-# large if T nearly contains a pair P + ιP, as T(τ) along (1, 0, …) does in genus 4 for a short τ, with two pairs near
-# x = 0. Sums with such a T lose hundreds of bits
+# large if T nearly contains a point P and its image under y ↦ −y. In genus 4, T(τ) along (1, 0, …) for a short τ nearly
+# contains two such pairs of points near x = 0. Sums with such a T lose hundreds of bits
 NEAR = 4
 
 
 class GroupTranslations:
     """The translations T(τ) along ``direction`` on the curve of ``group``.
 
-    The :class:`LongField` of ``group`` must be entered. On a model of even degree and odd genus, the sum of two
-    divisors of degree g reduces to one of degree g + 1, which its class does not determine. There a point P₀ is added
-    with one divisor, and subtracted with the other. ``ends`` are the branch points with lifts at which the moved pairs
-    have a point; a point at a double point of the curve has to stay there.
+    All methods must be called inside a ``with`` block of the field of ``group``. ``ends`` are the branch points with
+    lifts at which the moved pairs have a point; a point at a double point of the curve has to stay there.
+
+    On a model of even degree and odd genus, the sum of two divisors of degree g reduces to one of degree g + 1, which
+    its class does not determine. There a point P₀ is added with one divisor, and subtracted with the other.
     """
 
     _drifts = True
@@ -54,7 +55,7 @@ class GroupTranslations:
         self.unit = self.field.coerce(2.0 ** (math.frexp(self._series.reach)[1] - 1 - PART))
         self._start = pair[0]
         zero = self.field.zero
-        # ``_with`` has P₀ if every sum needs it; adding ``_back`` subtracts E and such a P₀
+        # ``_with`` holds P₀ if every sum needs it, else nothing; adding ``_back`` subtracts E, and P₀ if it is held
         between = [] if group.odd or group.genus % 2 == 0 else [self._placed(*point, zero, point[0])]
         self._with = tuple(between)
         self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))
@@ -117,7 +118,7 @@ class GroupTranslations:
         return self._corrected(self.group.add(D, S, *self._with), only_lifts=self.group.odd)
 
     def _corrected(self, D: Extended, only_lifts: bool = False) -> Extended:
-        """D moved back onto the curve, or with ``only_lifts`` each lift back to the root that it is.
+        """D moved back onto the curve; with ``only_lifts``, D with its lifts computed again from U and V.
 
         Where degree and genus are odd, the sums have divided κ by ℓ², with the leading coefficient ℓ of f. There each
         lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
@@ -143,7 +144,7 @@ class GroupTranslations:
         return self._doubles[k]
 
     def _single(self, k: int) -> Extended | None:
-        """T(2^k h), minus P₀ if there is one; None while it is not in general position, where doubling loses bits."""
+        """T(2^k h), minus P₀ if there is one; None while T(2^k h) is not in general position: its sums lose bits."""
         for j in range(FRACTION + len(self._singles), k + 1):
             S = self._singles.get(j - 1)
             if S is not None:
@@ -165,9 +166,10 @@ class GroupTranslations:
     def _placed(
         self, u: poly.Poly, v: poly.Poly, omega: Real, start: poly.Poly, thirds: Sequence[Real] = ()
     ) -> Extended:
-        """The pair (u, v) with its data, which are continued from the divisor E, where U is ``start`` and lifts are 1.
+        """The pair (u, v) with its data, continued from a reference divisor with U = ``start``, whose lifts have σ = 1.
 
-        ``omega`` and ``thirds`` are the integrals of :meth:`integrable.mumford.series.PointMotion.at` from there.
+        ``omega`` and ``thirds`` are the integrals of :meth:`integrable.mumford.series.PointMotion.at` from this divisor
+        to (u, v).
         """
         K, data, integrals = self.field, [], iter(thirds)
         for kind in self.group.kinds:

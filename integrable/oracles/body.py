@@ -1,4 +1,4 @@
-"""Bodies and states as these integrators see them, the equations of ball and top, and the result of a run."""
+"""Bodies and states as integrators need them, the equations of ball and top, and the result of a run."""
 
 from __future__ import annotations
 

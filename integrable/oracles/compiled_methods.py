@@ -43,8 +43,9 @@ class Gauss16(Method):
 class CompiledTaylor(Method):
     """Taylor series with a variable step, of order ½ ln(1/tolerance) + 1.
 
-    The terms neglected in a step are about ``tolerance`` relative to each half of the state. ``evaluations`` counts
-    expansions. Raises ArgumentError unless 0 < tolerance < 1, and RuntimeError where a step becomes 0, at a pole.
+    The terms neglected in a step are about ``tolerance`` relative to γ and to M, or to q and to p. ``evaluations``
+    counts expansions. Raises ArgumentError unless 0 < tolerance < 1, and RuntimeError where a step becomes 0, at a
+    pole.
     """
 
     def build(self, kind: Kind, setting: Any) -> Built:
@@ -63,7 +64,8 @@ class CompiledTaylor(Method):
 
 
 def _built(kind: Kind, run: Callable[..., int], failure: Callable[[], Exception]) -> Built:
-    """A compiled loop ``run`` as a function of a system, then of a start. This call compiles or loads the loop.
+    """A compiled loop ``run`` as the result of :meth:`integrable.oracles.method.Method.build`. This call compiles or
+    loads the loop.
 
     ``run`` writes the states into its last argument and returns its cost, or a negative number if it fails.
     """

@@ -79,8 +79,8 @@ class EllipticTop:
         self.period = None if self.parameter == 1 else 2 * c.ellipk(self.parameter)
 
     def _phase(self, a: Vector, gamma: Vector, M: Vector) -> None:
-        """Sets the constants c (``along``) and ρ (``across``), and the rate and initial value of the phase β, of
-        γ = c·e + ρ(cos β N + sin β e×N), with e and N of :func:`_frame`.
+        """Sets the constants of γ = c·e + ρ(cos β N + sin β e×N), with e and N of :func:`_frame`: c (``along``), ρ
+        (``across``), and the rate and the initial value of the phase β.
         """
         c = self.context
         self.turning = self.length * a[2]

@@ -259,7 +259,7 @@ class Numbers:
         self.zero, self.one = (self.book.line("number", Fraction(x), value=Fraction(x)) for x in (0, 1))
 
     def coerce(self, x: Any, _argument: str = "") -> Any:
-        """The symbol of a constant, one per object. A symbol is returned unchanged."""
+        """The symbol of a constant: the same object always has the same symbol. A symbol is returned unchanged."""
         if isinstance(x, Symbol):
             return x
         if isinstance(x, int) or x == 0:
@@ -314,7 +314,7 @@ def recorded(
         if node.op == "y" or not moving.isdisjoint(node.lines):
             moving.add(k)
     # a coefficient is a line that does not depend on the state, and is a result or an argument of a line that does;
-    # short numbers are written into the code instead
+    # numbers that are exact in every floating-point format are written into the code instead
     outer = set(results).union(*(nodes[k].lines for k in needed & moving))
     used = sorted(k for k in outer - moving if not (nodes[k].op == "number" and _short(nodes[k].args[0])))
     first = sorted(needed - moving)

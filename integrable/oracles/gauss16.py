@@ -141,8 +141,8 @@ def _low_part(transposed, low, k, rest, work):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
-    """Adds the sum of the terms, and the contribution of the low weights, to the compensated state (y, rest), in
-    place.
+    """Adds the sum of ``terms`` and Σ_i low_i k_i, the contribution of the weights' low parts, to the compensated state
+    (y, rest), in place.
     """
     for n in range(len(k)):
         total, error = two_sum(rest[n], terms[n, 0])
@@ -156,7 +156,10 @@ def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
-    """(h·|last Legendre coefficient|)² relative to γ and M: an estimate of the step's error, of order h^16."""
+    """(h·|c|)² relative to γ and M, where c is the last Legendre coefficient of the slopes ``k`` of the stages.
+
+    This is an estimate of the step's error, of order h^16.
+    """
     found = 0.0
     half = len(y) // 2
     for base in (0, half):

@@ -35,11 +35,11 @@ class Heyoka(Method):
         number: Callable[[Any], Any] = _long_double if self.guard else float
         real: Any = np.longdouble if self.guard else float
         system = equations(kind, number)
-        # compact_mode is off: it evaluates 1.3 to 2.4 times more slowly, and builds 1.3 to 1.8 times faster (euler_top,
-        # neumann and garnier to T = 1 … 1000: python -m benchmarks heyoka)
+        # compact_mode is off: code of this mode evaluates 1.3 to 2.4 times more slowly, and is built 1.3 to 1.8 times
+        # faster (euler_top, neumann and garnier to T = 1 … 1000: python -m benchmarks heyoka)
         options = {"tol": number(setting), "fp_type": real, "time": number(0)}
         integrator = heyoka.taylor_adaptive(system, np.zeros(kind.size, real), **options)
-        # integrator, its arrays of state and parameters, and its outcome of a run that reached its end
+        # the integrator, its arrays of state and parameters, and what heyoka returns for a run that reached its end
         shared = integrator, integrator.state, integrator.pars, heyoka.taylor_outcome.time_limit
 
         def of_system(given: Given) -> Started:
@@ -63,7 +63,7 @@ def equations(kind: Kind, number: Callable[[Any], Any] = float) -> list[tuple[An
 
 
 def _started(shared: tuple[Any, ...], coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:
-    """A run of the integrator of a kind, which all systems and starts share, from one start."""
+    """A run from the start ``first``, by the integrator in ``shared``, which serves all systems of a kind."""
     integrator, state, parameters, done = shared
     zero = number(0)
 

@@ -45,7 +45,7 @@ Run = Callable[[Iterable[Any]], Solution]
 
 
 class Given(NamedTuple):
-    """The data of a system for an integrator: its constants, and a conversion to its number type."""
+    """The data of a system for an integrator: the constants of the system, and a conversion to its number type."""
 
     constants: tuple[Any, ...]
     number: Callable[[Any], Any]

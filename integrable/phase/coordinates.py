@@ -34,7 +34,7 @@ def branch_points(body: Body) -> tuple[Real, ...]:
 
 
 def kappas(body: Body) -> tuple[Real, ...]:
-    """The factors κ of the pairs at all points of :func:`branch_points`."""
+    """The factors κ in U(e) = κσ² for the pairs (σ, ν) at all points e of :func:`branch_points`."""
     K = body.field
     values = [K.mul(r, c) for r, c in zip(body.contact, body.differences, strict=True)]
     if len(branch_points(body)) == 4:
@@ -162,8 +162,10 @@ def pairs_of(
 
 
 def integrals_of(body: Body, D: Divisor) -> tuple[Real, Real]:
-    """(H1, H2) of a divisor's curve y² = 4(1 − dx)Π(a_i − x)(x·H2 − H1). CurveMismatch if the curve has another form,
-    over an inexact field to half the digits.
+    """(H1, H2) of a divisor's curve y² = 4(1 − dx)Π(a_i − x)(x·H2 − H1).
+
+    CurveMismatch if the curve has another form. Over an inexact field half of the digits of its coefficients must agree
+    with this form.
     """
     K: Any = body.field
     curve = D.jacobian.curve

@@ -45,7 +45,7 @@ class Enclosure(Record):
 
     ``tau`` and ``times`` have shape (N,); ``times`` is None where τ was given and t is not linear in τ. ``radius``,
     shape (N,), is the largest radius in each row, as a float rounded up and at least 2.2e-308. It is relative to |γ|
-    and |M|; for other systems, to the largest component of q, or of p, at the start or at that time.
+    and |M|; for other systems, to the largest component that q, or p, has at the start or in that row.
     """
 
     def __init__(self, times: Sequence[arb] | np.ndarray | None, rows: Sequence[Row], size: int = 3) -> None:

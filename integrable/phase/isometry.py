@@ -2,8 +2,9 @@
 
 The pairs of integrals are those of :mod:`integrable.deformations`. A diagonal matrix B maps the sphere to itself by
 γ ↦ γ' = Bγ/|Bγ|. The cotangent lift of this map, on states with (γ, M) = 0, is M' = Bγ × B⁻¹(M × γ); it is canonical.
-A body is named by its matrix A; that of A⁻¹ has the moments I'_i = a_i. With B² = diag(a_j·a_k) the lift maps the hat
-pair of A to det A times the tilde pair of A⁻¹, with B² = A the check pair of A to −det A times this tilde pair.
+A body is named by its matrix A; the body of the matrix A⁻¹ has the moments I'_i = a_i. With B² = diag(a_j·a_k) the
+lift maps the hat pair of A to det A times the tilde pair of A⁻¹. With B² = A the lift maps the check pair of A to
+−det A times this tilde pair.
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ def integrals(body: Body, point: Separated) -> Two:
 
 
 def line_through(K: Field, points: Sequence[tuple[Real, Real]]) -> tuple[poly.Poly, poly.Poly]:
-    """:func:`poly.through` two points (u_k, y_k); NotRepresentable where u1 = u2."""
+    """Mumford's pair of two points (u_k, y_k), by :func:`poly.through`; NotRepresentable where u1 = u2."""
     (u1, _), (u2, _) = points
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")

@@ -20,7 +20,7 @@ from jacobian.fields.multiprecision import MultiprecisionField
 Pairs = Iterable[tuple[np.ndarray | Sequence[Real], np.ndarray | Sequence[Real]]]
 """Both vectors of the states at several times: γ and M, or q and p."""
 Finer = Callable[[list[Real], MultiprecisionField], Pairs]
-"""A function that returns the states at times to the digits of a field."""
+"""A function that returns the states at given times to the digits of a field."""
 
 # the second run has WIDER more digits than the first, and at least LEAST
 WIDER = 15

@@ -72,8 +72,9 @@ class Diagram(Record):
     def divergence(self, X: Numbers) -> np.ndarray:
         """The exponent χ, per unit of t and of √H2, with which nearby motions leave the unstable rotation; 0 ≤ X ≤ 1.
 
-        χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
-        Tildes and s are those of Chaplygin's transformation (:mod:`integrable.phase.upright`).
+        χ = √H̃2·√h(a₂)·P/(πs) at H2 = 1, with the principal value P = ∫x dx/((x − a₂)√h) from a₁ to a₃ and
+        h = 4H̃2(1 − d̃x)(x − a₁)(a₃ − x). Tildes and s are those of Chaplygin's transformation
+        (:mod:`integrable.phase.upright`), and a₁ < a₂ < a₃ the sorted a_i.
         """
         (values,) = _reals(X=X)
         if not ((values >= 0) & (values <= 1)).all():
@@ -85,7 +86,8 @@ class Diagram(Record):
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(X, Z, rotation number) on a grid in X and ζ, for contours.
 
-        Shapes are (count, 2·count) for different moments. The ζ are denser near the separatrix, which is excluded.
+        The arrays have the shape (count, 2·count) if all moments differ. The ζ are denser near the separatrix, which is
+        excluded.
         """
         count = whole(count, "count", f"an int from 2 to {MOST_COUNT}", 2, MOST_COUNT)
         a1, a2, a3 = sorted(self.system.a)

@@ -1,5 +1,6 @@
-"""Derivatives of states by differences of whole motions in more digits: over MP(digits), and for floats without a
-torus.
+"""Derivatives of states as quotients of differences of whole motions, which are computed with more digits.
+
+These derivatives are used over MP(digits), and in floats for motions without a torus.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Inputs(NamedTuple):
 
 
 def differences(motion: FlowMap, inputs: Inputs, digits: int, size: float) -> np.ndarray:
-    """The derivatives of the rows of ``motion`` by its inputs, (N, m, inputs), in mpf to ``digits``.
+    """The derivatives of the rows of ``motion`` with respect to its inputs: shape (N, m, inputs), mpf, to ``digits``.
 
     They are quotients of differences with a step small enough for that many digits. ``size`` estimates the largest
     derivative, in units of ``inputs.sizes``. PrecisionLoss where the derivatives are much larger than expected.

@@ -93,8 +93,10 @@ def _polished(
     first: float | Mpf,
     last: float | Mpf,
 ) -> np.ndarray:
-    """Refines zeros (times, slopes, half panels) to the precision of the flow, by Newton's method with these slopes,
-    and keeps those between ``first`` and ``last``.
+    """Refines zeros of the condition to the precision of the flow, and keeps those between ``first`` and ``last``.
+
+    ``found`` has the times of the zeros, the slopes of the condition there, and half the lengths of their panels.
+    Newton's method uses these slopes in all of its steps.
     """
     field, (begin, slopes, halves) = flow.system.field, found
     times = np.array([field.coerce(float(t)) for t in begin], dtype=np.float64 if field == RR else object)

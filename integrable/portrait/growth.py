@@ -1,4 +1,4 @@
-"""The secular part of the derivatives of the states x of a motion, to many digits.
+"""The secular part of the derivatives of the states x of a motion, to many digits: the part that grows with t.
 
 It is tΣX_k ⊗ ∂f_k with the frequencies f_k and the derivatives X_k of x with respect to phases that are linear in t.
 X_k(t) = S(t)X_k(0), where S(t) is the matrix of derivatives with respect to the start. The change X_k(0) of the start
@@ -34,7 +34,9 @@ from jacobian.numbers.long_reals import BallReals
 
 
 def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part at times for a system whose phases are linear in t; its shape is that of the derivatives."""
+    """The secular part at the given ``times`` for a system whose phases are linear in t. Its shape is that of the
+    derivatives.
+    """
     (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
     # phases and actions determine neither an angle about an axis nor the centre of mass of a lattice
     free = 2 * flow.system.size - sum(" = " in name for name in flow.system._constraint_names)
@@ -63,7 +65,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
 
 
 def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part at times for a ball or top, shape (N, 6, 10)."""
+    """The secular part at the given ``times`` for a ball or top, shape (N, 6, 10)."""
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     if flow.portrait.region not in ("low", "high"):
         raise NotRepresentable("secular: these are derivatives of motions that lie on no torus of dimension two")
@@ -97,7 +99,7 @@ def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:
-    """The values of σ at the times of a run, shape (N,)."""
+    """σ, the integral of Y(1/g) over τ with mean 0 (see the top of this file), at the times of a run: shape (N,)."""
     import flint
 
     K, portrait = run.system.field, run.flow.portrait

@@ -36,8 +36,8 @@ class OvalAngles(NamedTuple):
         return self._in_parts(self._at, phases)
 
     def delays(self, phases: Array, oval: int, rates: Array) -> Array:
-        """The times (N,) from these phases until the angle φ of the point of one ``oval`` is 2π times the given phase
-        of that point.
+        """The times, shape (N,), that the motion takes from ``phases`` until the point in one ``oval`` is at the angle
+        φ = 2π·phases[:, oval].
 
         The sums grow at the ``rates``. Combinations of them that do not grow determine the angles of the other points;
         a sum that grows then gives the time.

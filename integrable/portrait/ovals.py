@@ -102,9 +102,10 @@ class Level(NamedTuple):
 
 
 def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndarray:
-    """ζ of the motion of the upright body that crosses the section γ̃_i = 0 at φ: q − (q − a₁)M̃_i²/|M̃|², with
-    ``momentum`` M̃_i/|M̃|. The axis i is that of the largest moment, and q(φ) is given in
-    :mod:`integrable.portrait.section`. Arguments and result are arrays of floats.
+    """ζ = q − (q − a₁)M̃_i²/|M̃|² of the motion of the upright body through a point of the section γ̃_i = 0.
+
+    The point is given by its angle ``phi`` = φ and by ``momentum`` = M̃_i/|M̃|. The axis i is that of the largest moment,
+    and q(φ) is given in :mod:`integrable.portrait.section`. Arguments and result are arrays of floats.
     """
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2
@@ -114,7 +115,10 @@ def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndar
 
 
 class Ovals(NamedTuple):
-    """The integrals A0, A1, B0 and B1. ``slowness`` is the mean over the torus of 1/√((1 − d̃u1)(1 − d̃u2))."""
+    """A_k = ∫x^k dx/y over the first oval and B_k = ∫x^k dx/y over the second, k = 0, 1.
+
+    ``slowness`` is the mean over the torus of 1/√((1 − d̃u1)(1 − d̃u2)) for u1 in the first oval and u2 in the second.
+    """
 
     A0: Real
     A1: Real

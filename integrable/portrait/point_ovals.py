@@ -113,7 +113,7 @@ class Pole(NamedTuple):
         import gmpy2
 
         sine, cosine = gmpy2.sin_cos(phi / 2)
-        # the angle between (cos, ratio·sin) and (cos, sin)
+        # twice the angle from the vector (cos ½φ, sin ½φ) to (cos ½φ, ratio·sin ½φ)
         found: Real = 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
         return found
 

@@ -62,7 +62,7 @@ class Portrait(Immutable):
     ``frequencies`` (f1, f2) and ``tau_frequencies`` (ν1, ν2) are turns of u1 and of u2 per unit of t and of τ, signed;
     ``rotation_number`` is f1/f2. Rates are in radians per unit of t: ``precession`` of the axis about M̃ in space,
     ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about the axis. ``spin`` and ``polhode`` are measured in the
-    body, positive in the sense of its axes. All three are None without an axis.
+    body, and positive by the right-hand rule about its axis. All three are None without an axis.
 
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
     radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω) and ``mean_g`` the mean
@@ -152,7 +152,8 @@ class Portrait(Immutable):
         """The frequencies (ν1, ν2) and the mean of g over t, in wide numbers."""
         level, ovals = self.level, self.ovals
         if ovals is None:
-            # the limit is the rotation about the middle axis, at the rate a₂√h̃2 in the time of the upright body
+            # on the separatrix the limit of the motion is the rotation about the middle axis, with the rate a₂√H̃2 in
+            # the time of the upright body
             (r1, _, r3), pi = level.contact, level.pi
             one = r1 / r1
             mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))
@@ -209,8 +210,10 @@ def _region(level: Level) -> str:
 
 
 def start_angles(system: PhaseSpace, state: State, wide: MultiprecisionField, digits: int) -> tuple[Real, Real]:
-    """The angles θ of the start, Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1), modulo 1, to ``digits`` in the ``wide``
-    field; PrecisionLoss if the ovals have nearly met.
+    """The angles θ of the start, Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1), modulo 1, with the integrals of
+    :class:`integrable.portrait.ovals.Ovals`.
+
+    They are computed to ``digits`` in the ``wide`` field. PrecisionLoss if the ovals have nearly met.
     """
     for lost in LOST:
         setup = Setup(system.body, *state.vectors, state.tilted, digits=wide.dps + lost)
