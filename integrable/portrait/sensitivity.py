@@ -33,7 +33,7 @@ from jacobian.immutable import Record, read_only
 if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
-# coefficients of the rates below this fraction of the largest are rounding errors
+# Fourier coefficients of the integrands below this fraction of the largest one are rounding errors
 NOISE = 3e-14
 # largest relative error of derivatives on the torus; beyond it differences of motions in more digits are used
 MOST_LOST = 1e-12
@@ -106,7 +106,7 @@ def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
 
 
 def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
-    """The digits of derivatives over a flow's field, and their approximate size at times."""
+    """The number of digits to which a flow's derivatives are computed, and the approximate size of the derivatives."""
     farthest, field = max((abs(float(t)) for t in times), default=0.0), flow.system.field
     return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * flow._fastest
 

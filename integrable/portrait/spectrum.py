@@ -4,8 +4,8 @@ torus.
 Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are accurate
 to rounding without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
 
-The phases θ of a body's torus are linear in τ. The phases φ = θ + ν·S/⟨1/g⟩, with the bounded part S of t(τ), are
-linear in t; Newton steps along the flow find θ at φ.
+The phases θ of a body's torus are linear in τ. With the frequencies ν in τ and the bounded part S of
+t(τ), the phases φ = θ + ν·S/⟨1/g⟩ are linear in t. Newton steps along the flow find the θ that belongs to a φ.
 """
 
 from __future__ import annotations
@@ -185,8 +185,9 @@ def body_states(flow: Any) -> Sampled:
 
 
 class OwnTime(NamedTuple):
-    """The clock of a motion whose phases are linear in τ: ``swings(phases)`` returns t − ``mean``·τ and dt/dτ at phases
-    in turns from the start, which grow at the ``rates`` in τ.
+    """The clock of a motion whose phases are linear in τ. ``rates`` are the frequencies in τ.
+
+    ``swings(phases)`` returns t − ``mean``·τ and dt/dτ at phases in turns from the start.
     """
 
     swings: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]

@@ -186,6 +186,6 @@ def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
 
 
 def _by_half(gaps: list[Any], row: list[Any]) -> list[tuple[Any, Any]]:
-    """For q and for p: the gap, and the largest component of this half of ``row``, or 1 if that is 0."""
+    """Two pairs, for q and for p: the error in ``gaps``, and the largest component in ``row`` (1 if that is 0)."""
     half = len(row) // 2
     return [(gaps[i], max(map(abs, row[i : i + half])) or 1) for i in (0, half)]
