@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 ENDS, AXES = ("lower", "upper"), ("largest", "least")
 MOST_CROSSINGS = 10**6
-# a start within this fraction of a turn from a crossing counts as on it
+# a start within this fraction of a turn from a crossing counts as a start at the crossing
 ON = 1e-12
 # the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
@@ -141,7 +141,9 @@ def turned(
 
 
 def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The times of the next ``count`` crossings, the phases of the other points, and their rotation, in floats."""
+    """In floats: the times of the next ``count`` crossings, and the phases of the other points with their change from
+    one crossing to the next.
+    """
     genus = len(torus.ovals)
     oval = whole(oval, "oval", f"the number of an oval is an int from 0 to {genus - 1}", 0, genus - 1)
     half = 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
@@ -156,7 +158,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
 def body_section(flow: Any, count: int, axis: str) -> BodySection:
     """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
 
-    NotRepresentable for a motion on no torus of dimension two.
+    NotRepresentable if the motion is not on a torus of dimension two.
     """
     oval = AXES.index(one_of(axis, "axis", AXES, 'choose "largest" or "least" (moment)'))
     portrait, K = flow.portrait, flow.system.field

@@ -138,11 +138,11 @@ class TorusVariations:
         self._gradient = gradient(self._body, start[0])
 
     def _scaled(self, rows: np.ndarray) -> np.ndarray:
-        """States γ and M converted to the units of the variations."""
+        """The states with M divided by the |M| of the motion, which is the unit of M in all derivatives here."""
         return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
 
     def _sample(self) -> None:
-        """Sets the series of σ, a' and b."""
+        """Sets the Fourier series of σ, a' and b, the functions of the module's docstring."""
         samples = resolved_samples(self._torus, self._integrands, _noise, MOST_COMPILED).values
         lean, along, across = np.split(samples, [1, 8], axis=2)
         self._sigma = self._series(lean[..., 0])

@@ -176,7 +176,7 @@ def body_states(flow: Any) -> Sampled:
         gamma, M = rows[:, :3], rows[:, 3:]
         return {"gamma": gamma, "M": M, "omega": angular_velocities(body, gamma, M)[0]}
 
-    # the torus has its own basis of periods, and may count turns in the opposite direction
+    # the torus has its own basis of periods, and may count turns in the direction opposite to that of the portrait
     basis = np.array(torus.basis)
     own = [sum(x * int(b) for x, b in zip(torus.frequencies, column, strict=True)) for column in basis.T]
     signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, portrait.wide_frequencies, strict=True)]
@@ -222,7 +222,7 @@ def torus_states(
     genus, further = len(torus.ovals), len(frequencies) - len(torus.ovals)
     places = {torus.place_of(e) for e in ends}
     doubled = [2 if {o.place, o.place + 1} & places else 1 for o in torus.ovals]
-    # the portrait may count turns in the opposite direction
+    # the portrait may count turns in the direction opposite to that of the torus
     senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
     start, swings_at_start = (np.array(x, dtype=float) for x in (torus.phases, torus.swings_at_start))
     series, rates = torus.clock, np.array(torus.tau_frequencies, dtype=float)

@@ -157,7 +157,7 @@ class StateFlow(Generic[AnyRun]):
         return None
 
     def _secular(self, times: np.ndarray) -> np.ndarray:
-        """The part of the derivatives at times that grows with them."""
+        """The part of the derivatives that grows in proportion to time, at the given times."""
         from integrable.portrait.growth import growth_on_torus
 
         return growth_on_torus(self, times)

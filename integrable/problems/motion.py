@@ -33,7 +33,7 @@ LARGEST = 64
 
 
 class Scales(NamedTuple):
-    """The motion of a problem is q·Q(t·time), p·P(t·time), where Q, P is the motion with |Q| = 1."""
+    """Three factors: the motion of a problem is (q·Q(t·time), p·P(t·time)), where (Q, P) is the motion with |Q| = 1."""
 
     q: Any
     p: Any
@@ -147,7 +147,7 @@ class UnitMotion:
             for first, second in zip(*halves, strict=True):
                 balls = [*(x * size for x in first), *second] if square != 1 else [*first, *second]
                 rows.append([_number(K.context, x.mid()) for x in balls])
-                # the midpoint is rounded
+                # the midpoint is rounded, so a bound of its rounding error is added to the radius
                 pairs = zip(balls, rows[-1], strict=True)
                 radii.append([_number(K.context, x.rad()) + 4 * abs(y) * K.context.eps for x, y in pairs])
         return rows, radii

@@ -160,7 +160,7 @@ class Kind:
     def _in_order(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
         """The states at times of one sign in ascending size; None for times in another order.
 
-        Each tier of ``plan`` is tried at those times that the tiers before it have not reached.
+        Each of the bounds (``tiers``) in ``plan`` is tried at those times that the bounds before it have not reached.
         """
         parts, left = list[Near](), None
         for steps in plan:

@@ -64,10 +64,10 @@ class _Walks:
         count, length = times.shape
         order = np.argsort(np.abs(times), axis=1, kind="stable")
         ahead = np.where(times[:, -1:] < 0, -times, times)
-        # the motions whose times are in the order of one walk
+        # the motions with one walk: their times are of one sign and ascend in size
         whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
         behind = np.take_along_axis(times < 0, order, axis=1) & ~whole[:, None]
-        # motion m has walk 2m, and walk 2m + 1 for its times < 0 if its times are not in the order of one walk
+        # motion m has walk 2m; if one walk is not enough, it also has walk 2m + 1 for its times < 0
         number = (2 * np.arange(count)[:, None] + behind).ravel()
         rows = np.argsort(number, kind="stable")
         self.walk_of, self.columns = number[rows], order.ravel()[rows]

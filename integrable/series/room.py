@@ -66,7 +66,7 @@ class Room:
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
         self.apart = count + -count % self.abreast
-        # the loop over orders writes one low part beyond those of ``wide``
+        # the loop over orders writes low parts up to one order beyond ``wide``
         begin = self.begin + (order + max(wide, 0) + 3) * self.apart
         # of constants, and of factors that are not variables, only the coefficient of order 0 is stored, as (hi, lo)
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())

@@ -92,8 +92,8 @@ class _Recorder:
 
 
 def _known_by(constant: object) -> object:
-    """The key of a constant: constants with one key share a node. Each ball has its own key, since equal balls may stand
-    for different numbers.
+    """The key of a constant: constants with one key share a node. Each ball has its own key, since equal balls may
+    stand for different numbers.
     """
     try:
         hash(constant)
