@@ -111,10 +111,9 @@ class StateFlow(Generic[AnyRun]):
         derivatives are difference quotients of motions in more digits, two for each input, which take seconds over
         MP(digits) and next to a separatrix.
 
-        A constant whose value 0 leaves a term out has no column: a barrier l_i of a Hénon–Heiles system; d, c and the
-        terms of the potential of a deformation. PrecisionLoss if derivatives are much larger than expected, as at far
-        times next to a separatrix.
-        (:mod:`integrable.portrait.sensitivity`)
+        A constant that is 0, so that a term of the equations is absent, has no column: a barrier l_i of a Hénon–Heiles
+        system; d, c and the terms of the potential of a deformation. PrecisionLoss if derivatives are much larger than
+        expected, as at far times next to a separatrix. (:mod:`integrable.portrait.sensitivity`)
         """
         from integrable.portrait.sensitivity import by_differences
 
