@@ -1,15 +1,18 @@
-"""Poincaré sections, in closed form: the crossings of a branch point by one point of the pair.
+"""Poincaré sections, in closed form: the times at which one point of the moving divisor passes a branch point.
 
 On the torus of a motion φ_k = 2πn is a section, where φ_k is the angle of a point in its oval. Let t_n be the time at
 which the phase θ_k, which is linear in time, completes n turns. From t_n to t_{n+1} the other phases θ_j advance by
-f_j/f_k, where f are the frequencies. The crossing itself is a bounded time away from t_n. If the sums of forms grow
-linearly with τ rather than t, time means τ here.
+f_j/f_k, where f are the frequencies. The crossing itself is a bounded time away from t_n. Where the phases are linear
+in τ rather than t, time means τ here.
 
-The component of γ̃ of a body along the axis of the largest moment vanishes where u1 = a₁; the component along the axis
-of the least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally, once per turn of u1 or of
-u2. From one crossing of the first section to the next the phase of u2 turns by −A1/B1; from one crossing of the second
-to the next the phase of u1 turns by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion
-lies on its own curve,
+For a body let u1, u2, the sorted a_i, ζ and the integrals A1 and B1 be as in :mod:`integrable.portrait.ovals`; tildes
+refer to the upright body. The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the
+component along the axis of the least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally,
+once per turn of u1 or of u2.
+
+From one crossing of the first section to the next the phase of u2 turns by −A1/B1; from one crossing of the second to
+the next the phase of u1 turns by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion lies
+on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """
@@ -36,7 +39,7 @@ if TYPE_CHECKING:
 
 ENDS, AXES = ("lower", "upper"), ("largest", "least")
 MOST_CROSSINGS = 10**6
-# a start within this fraction of a turn from a crossing counts as on it
+# a start within this fraction of a turn from a crossing counts as a start at the crossing
 ON = 1e-12
 # the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
@@ -57,7 +60,7 @@ class Section(Record):
 
     @property
     def path(self) -> Any:
-        """Another name of ``run``, since the states of other systems are a ``Path``."""
+        """Another name of ``run``: for a system without a body the states are a ``Path``."""
         return self.run
 
     @property
@@ -77,8 +80,8 @@ class BodySection(Section):
     """The crossings of a body's motion with a surface γ̃_i = 0: ``axis`` (0, 1 or 2) is i.
 
     ``tau`` (N,) are the values of τ at the crossings. ``phi`` and ``momentum`` (N,) are the coordinates on the section:
-    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. ``theta`` (N,) is the angle, in turns, in which
-    the map is a rotation by the number ``rotation``.
+    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. ``theta`` (N,) is the phase of the other point,
+    in turns: the map from one crossing to the next rotates it by ``rotation``.
     """
 
     def __init__(self, run: Any, theta: np.ndarray, rotation: Real, axes: tuple[int, int, int]) -> None:
@@ -120,7 +123,8 @@ def turned(
     ½), the phases (N, g − 1) of the other points there, and their change per crossing.
 
     ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``start`` is
-    the angle φ of this point at the start. The ``sums`` of forms over the points grow at the ``rates``.
+    the angle φ of the point of ``oval`` at the start. ``sums`` are the integrals of the differentials, summed over the
+    points; along the motion they grow at the ``rates``.
     """
     count = whole(count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS)
     nu, place = motion
@@ -139,7 +143,9 @@ def turned(
 
 
 def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The times of the next ``count`` crossings, the phases of the other points, and their rotation, in floats."""
+    """In floats: the times of the next ``count`` crossings, and the phases of the other points with their change from
+    one crossing to the next.
+    """
     genus = len(torus.ovals)
     oval = whole(oval, "oval", f"the number of an oval is an int from 0 to {genus - 1}", 0, genus - 1)
     half = 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
@@ -154,7 +160,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
 def body_section(flow: Any, count: int, axis: str) -> BodySection:
     """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
 
-    NotRepresentable for a motion on no torus of dimension two.
+    NotRepresentable if the motion is not on a torus of dimension two.
     """
     oval = AXES.index(one_of(axis, "axis", AXES, 'choose "largest" or "least" (moment)'))
     portrait, K = flow.portrait, flow.system.field

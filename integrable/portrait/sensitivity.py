@@ -33,7 +33,7 @@ from jacobian.immutable import Record, read_only
 if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
-# coefficients of the rates below this fraction of the largest are rounding errors
+# Fourier coefficients of the integrands below this fraction of the largest one are rounding errors
 NOISE = 3e-14
 # largest relative error of derivatives on the torus; beyond it differences of motions in more digits are used
 MOST_LOST = 1e-12
@@ -106,7 +106,7 @@ def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
 
 
 def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
-    """The digits of derivatives over a flow's field, and their approximate size at times."""
+    """The number of digits to which a flow's derivatives are computed, and the approximate size of the derivatives."""
     farthest, field = max((abs(float(t)) for t in times), default=0.0), flow.system.field
     return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * flow._fastest
 
@@ -138,11 +138,11 @@ class TorusVariations:
         self._gradient = gradient(self._body, start[0])
 
     def _scaled(self, rows: np.ndarray) -> np.ndarray:
-        """States γ and M converted to the units of the variations."""
+        """The states with M divided by the |M| of the motion, which is the unit of M in all derivatives here."""
         return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
 
     def _sample(self) -> None:
-        """Sets the series of σ, a' and b."""
+        """Sets the Fourier series of σ, a' and b, the functions of the module's docstring."""
         samples = resolved_samples(self._torus, self._integrands, _noise, MOST_COMPILED).values
         lean, along, across = np.split(samples, [1, 8], axis=2)
         self._sigma = self._series(lean[..., 0])

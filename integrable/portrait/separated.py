@@ -137,7 +137,7 @@ class SeparatedTorus:
         ]
 
     def phase_of(self, sums: Sequence[Real]) -> list[Real]:
-        """The phases in turns, one for each oval, at which the forms have these sums."""
+        """The phases in turns, one for each oval, from the ``sums`` of the forms over the points."""
         N, genus = self._field, len(self.ovals)
         rows = [[2 * self._pi * means[j] for means in self.means] + [N.coerce(sums[j])] for j in range(genus)]
         found = pivoted(rows)

@@ -4,8 +4,8 @@ torus.
 Amplitudes are discrete Fourier coefficients on a grid of phases that are linear in t. They are accurate
 to rounding without a long run, however close two lines are (Laskar 1993 estimates them from a long run).
 
-The phases θ of a body's torus are linear in τ. The phases φ = θ + ν·S/⟨1/g⟩, with the bounded part S of t(τ), are
-linear in t; Newton steps along the flow find θ at φ.
+The phases θ of a body's torus are linear in τ. With the frequencies ν in τ and the bounded part S of
+t(τ), the phases φ = θ + ν·S/⟨1/g⟩ are linear in t. Newton steps along the flow find the θ that belongs to a φ.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ def body_states(flow: Any) -> Sampled:
         gamma, M = rows[:, :3], rows[:, 3:]
         return {"gamma": gamma, "M": M, "omega": angular_velocities(body, gamma, M)[0]}
 
-    # the torus has its own basis of periods, and may count turns in the opposite direction
+    # the torus has its own basis of periods, and may count turns in the direction opposite to that of the portrait
     basis = np.array(torus.basis)
     own = [sum(x * int(b) for x, b in zip(torus.frequencies, column, strict=True)) for column in basis.T]
     signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, portrait.wide_frequencies, strict=True)]
@@ -185,8 +185,9 @@ def body_states(flow: Any) -> Sampled:
 
 
 class OwnTime(NamedTuple):
-    """The clock of a motion whose phases are linear in τ: ``swings(phases)`` returns t − ``mean``·τ and dt/dτ at phases
-    in turns from the start, which grow at the ``rates`` in τ.
+    """The clock of a motion whose phases are linear in τ. ``rates`` are the frequencies in τ.
+
+    ``swings(phases)`` returns t − ``mean``·τ and dt/dτ at phases in turns from the start.
     """
 
     swings: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -221,7 +222,7 @@ def torus_states(
     genus, further = len(torus.ovals), len(frequencies) - len(torus.ovals)
     places = {torus.place_of(e) for e in ends}
     doubled = [2 if {o.place, o.place + 1} & places else 1 for o in torus.ovals]
-    # the portrait may count turns in the opposite direction
+    # the portrait may count turns in the direction opposite to that of the torus
     senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
     start, swings_at_start = (np.array(x, dtype=float) for x in (torus.phases, torus.swings_at_start))
     series, rates = torus.clock, np.array(torus.tau_frequencies, dtype=float)

@@ -54,11 +54,11 @@ class StateFlow(Generic[AnyRun]):
     def certify(self, times: Numbers, digits: int | None = None) -> AnyRun:
         """The states of :meth:`at`, each compared with a run at 15 more digits: at 30 digits for RR.
 
-        The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). An error
-        is the larger one of both vectors: that of γ, or of M, q or p relative to its largest component. The inputs
-        count as exact, except that states are projected onto their constraints. PrecisionLoss where fewer than
-        ``digits`` agree; by default all digits but one of MP(digits), 12 of RR. ``certify`` compares two computations;
-        ``enclosure`` has proven bounds.
+        The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). The error
+        of a state is the larger one of the errors of its two vectors. Errors of M, q and p are relative to the largest
+        component of the vector. The inputs count as exact, except that states are projected onto their constraints.
+        PrecisionLoss where fewer than ``digits`` agree; by default all digits but one of MP(digits), 12 of RR.
+        ``certify`` compares two computations; ``enclosure`` has proven bounds.
         """
         from integrable.portrait.certificate import agreement
 
@@ -111,10 +111,9 @@ class StateFlow(Generic[AnyRun]):
         derivatives are difference quotients of motions in more digits, two for each input, which take seconds over
         MP(digits) and next to a separatrix.
 
-        A constant whose value 0 leaves a term out has no column: a barrier l_i of a Hénon–Heiles system; d, c and the
-        terms of the potential of a deformation. PrecisionLoss if derivatives are much larger than expected, as at far
-        times next to a separatrix.
-        (:mod:`integrable.portrait.sensitivity`)
+        A constant that is 0, so that a term of the equations is absent, has no column: a barrier l_i of a Hénon–Heiles
+        system; d, c and the terms of the potential of a deformation. PrecisionLoss if derivatives are much larger than
+        expected, as at far times next to a separatrix. (:mod:`integrable.portrait.sensitivity`)
         """
         from integrable.portrait.sensitivity import by_differences
 
@@ -157,7 +156,7 @@ class StateFlow(Generic[AnyRun]):
         return None
 
     def _secular(self, times: np.ndarray) -> np.ndarray:
-        """The part of the derivatives at times that grows with them."""
+        """The part of the derivatives that grows in proportion to time, at the given times."""
         from integrable.portrait.growth import growth_on_torus
 
         return growth_on_torus(self, times)

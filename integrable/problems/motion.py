@@ -33,7 +33,7 @@ LARGEST = 64
 
 
 class Scales(NamedTuple):
-    """The motion of a problem is q·Q(t·time), p·P(t·time), where Q, P is the motion with |Q| = 1."""
+    """Three factors: the motion of a problem is (q·Q(t·time), p·P(t·time)), where (Q, P) is the motion with |Q| = 1."""
 
     q: Any
     p: Any
@@ -147,7 +147,7 @@ class UnitMotion:
             for first, second in zip(*halves, strict=True):
                 balls = [*(x * size for x in first), *second] if square != 1 else [*first, *second]
                 rows.append([_number(K.context, x.mid()) for x in balls])
-                # the midpoint is rounded
+                # the midpoint is rounded, so a bound of its rounding error is added to the radius
                 pairs = zip(balls, rows[-1], strict=True)
                 radii.append([_number(K.context, x.rad()) + 4 * abs(y) * K.context.eps for x, y in pairs])
         return rows, radii
@@ -186,6 +186,6 @@ def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
 
 
 def _by_half(gaps: list[Any], row: list[Any]) -> list[tuple[Any, Any]]:
-    """For q and for p: the gap, and the largest component of this half of ``row``, or 1 if that is 0."""
+    """Two pairs, for q and for p: the error in ``gaps``, and the largest component in ``row`` (1 if that is 0)."""
     half = len(row) // 2
     return [(gaps[i], max(map(abs, row[i : i + half])) or 1) for i in (0, half)]

@@ -122,7 +122,7 @@ def _words(run: Run) -> str:
 def _bands(course: Course, across: Axis) -> tuple[list[str], list[str]]:
     """The bands of errors that are not significant, and their labels.
 
-    One band lies within the truth's radius, the other below the effect of rounding the inputs.
+    One band has the errors below the truth's radius, the other those below the effect of rounding the inputs.
     """
     boxes, names = [], []
     for end, colour, words, height in (

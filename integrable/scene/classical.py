@@ -94,7 +94,7 @@ class ClassicalSystem:
 
 
 class ClassicalMotion:
-    """The flow of one state: ``at(times)``."""
+    """The motion of one state: ``at(times)`` returns the states at times."""
 
     def __init__(self, system: ClassicalSystem, state: State) -> None:
         self.system, self.state = system, state

@@ -96,8 +96,8 @@ class Times:
 class Comparison:
     """The settings of a report: digits of its runs and of the truth, SciPy's tolerances, and repeats of each timing.
 
-    At ``check_time`` the truth is compared with an independent run. After each of the numbers ``steps`` of additions
-    the residual V² − f mod U is measured.
+    At ``check_time`` the truth is compared with an independent run. ``steps`` are numbers of additions, after which the
+    residual V² − f mod U is measured.
     """
 
     digits: tuple[int, ...]

@@ -127,7 +127,8 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
 def _read_motion(top: Table, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
     """The contents of ``[run]``, ``[report]`` and ``[output]`` of a motion.
 
-    The second of the ``pictures`` shows the motion's curve.
+    ``pictures`` are the pictures that may be asked for. The name of the second one, such as "sphere", is also a key of
+    ``[output]``, with the times of the curve that this picture shows.
     """
     if "field" in top:
         top.fail("field", "given, but a motion runs over real numbers; a finite field needs [steps] instead of [run]")
@@ -278,7 +279,7 @@ def _read_comparison(table: Table) -> Comparison:
 
 
 def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
-    """The digits of the measured runs, of which there are at least ``least``, and the digits of their truth."""
+    """The digits of each measured run, for at least ``least`` runs, and the digits of their truth."""
     digits = table.integers("digits", 1, (FLOAT_DIGITS,))
     if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(digits) < least:
         table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")

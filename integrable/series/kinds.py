@@ -1,7 +1,7 @@
-"""Walks of kinds of systems, from formulas that are recorded with symbolic constants and compiled once per machine.
+"""Compiled walks for kinds of systems: the formulas are recorded with symbolic constants and compiled once per machine.
 
-The systems of a kind have the same formulas, with other constants, which are arguments of the compiled code. Compiling
-takes a tenth of a second, as long as some hundred walks. Compiled objects are stored with those of
+The systems of a kind have the same formulas and differ in their constants, which are arguments of the compiled code.
+Compiling takes a tenth of a second, as long as some hundred walks. Compiled objects are stored with those of
 :mod:`jacobian.native`. They stay valid until the recorded formulas change.
 """
 
@@ -79,7 +79,7 @@ class Near(NamedTuple):
         return self.places is not None and len(self.places) < count
 
     def among(self, order: np.ndarray) -> Near:
-        """The same states, if the times asked for are those with the indices ``order`` among more times."""
+        """The same states, with places in a longer list of times, in which these times have the indices ``order``."""
         return self._replace(places=order if self.places is None else order[self.places])
 
 
@@ -160,7 +160,7 @@ class Kind:
     def _in_order(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
         """The states at times of one sign in ascending size; None for times in another order.
 
-        Each tier of ``plan`` is tried at those times that the tiers before it have not reached.
+        Each of the bounds (``tiers``) in ``plan`` is tried at those times that the bounds before it have not reached.
         """
         parts, left = list[Near](), None
         for steps in plan:
@@ -203,7 +203,9 @@ from_buffer: Any = c_char.from_buffer
 
 class Working:
     """The memory of a walk and its address ``base``, the binary format of its constants and state, and the position of
-    its marks. Its words SHARED are those for ``steps``; they point to ``tiers``.
+    its marks.
+
+    The part SHARED of the memory has been written for ``steps``, and holds the address of the array ``tiers``.
     """
 
     steps: Steps | None = None
@@ -240,8 +242,10 @@ class Compiled:
         most: float,
         tier: int = 0,
     ) -> Reached:
-        """The states at times of one sign in ascending size that about ``most`` steps reach, with the first tier of
-        ``steps`` that serves for the last time, from ``tier`` on. The number reached is −1 for times in another order.
+        """The states at times of one sign in ascending size that about ``most`` steps reach.
+
+        The first bounds in ``steps.tiers`` are used, from the index ``tier`` on, that allow a walk as far as the last
+        of the times. The number reached is −1 for times in another order.
         """
         count, found = len(times), np.empty((len(times), *self._shape))
         try:

@@ -1,4 +1,4 @@
-"""States of many motions of a system near their starts, whose walks run together as lanes of one vector.
+"""States of many motions of a system near their starts, by walks that run together as lanes of one vector.
 
 Every motion has the states that :meth:`integrable.series.kinds.Kind.walked` finds for it alone, to the bit.
 """
@@ -50,11 +50,11 @@ def walked_by_many(
 
 
 class _Walks:
-    """The walks of K motions: one for each with times in order, else one for each direction of time.
+    """The walks of K motions. A motion has one walk if its times are in order, else one for each direction of time.
 
-    Row r of all walks is the state of walk w = ``walk_of``[r], of the motion ``members``[w], at the time number
-    ``columns``[r] of the motion; ``left`` are the rows that are not yet reached. ``tiers`` are the bounds that each
-    walk tries next, and ``over`` tells which walks would take too long.
+    The rows are the states of all walks. Row r belongs to the walk w = ``walk_of``[r] of the motion ``members``[w], and
+    to the motion's time number ``columns``[r]. ``left`` marks the rows that are not yet reached. ``tiers`` are the
+    bounds that each walk tries next, and ``over`` tells which walks would take too long.
     """
 
     def __init__(
@@ -64,10 +64,10 @@ class _Walks:
         count, length = times.shape
         order = np.argsort(np.abs(times), axis=1, kind="stable")
         ahead = np.where(times[:, -1:] < 0, -times, times)
-        # the motions whose times are in the order of one walk
+        # the motions with one walk: their times are of one sign and ascend in size
         whole = (ahead[:, 0] >= 0) & (np.diff(ahead, axis=1) >= 0).all(axis=1) & (ahead[:, -1] < FARTHEST)
         behind = np.take_along_axis(times < 0, order, axis=1) & ~whole[:, None]
-        # motion m has walk 2m, and walk 2m + 1 for its times < 0 if its times are not in the order of one walk
+        # motion m has walk 2m; if one walk is not enough, it also has walk 2m + 1 for its times < 0
         number = (2 * np.arange(count)[:, None] + behind).ravel()
         rows = np.argsort(number, kind="stable")
         self.walk_of, self.columns = number[rows], order.ravel()[rows]

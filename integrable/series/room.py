@@ -66,7 +66,7 @@ class Room:
         self.abreast = ABREAST * WALKS // lanes
         self.begin = begin + -begin % self.abreast
         self.apart = count + -count % self.abreast
-        # the loop over orders writes one low part beyond those of ``wide``
+        # the loop over orders writes low parts up to one order beyond ``wide``
         begin = self.begin + (order + max(wide, 0) + 3) * self.apart
         # of constants, and of factors that are not variables, only the coefficient of order 0 is stored, as (hi, lo)
         kept = {n for n, kind in enumerate(tape.kinds) if kind == CONSTANT}.union(*self.factors.values())
@@ -110,7 +110,7 @@ class Room:
         return found
 
     def _placed(self, factors: tuple[int, ...], width: int) -> Side:
-        """The side of a vector of products with these factors."""
+        """The :class:`Side` with these factors; its memory is reserved at the first call."""
         if factors not in self._sides:
             first, (wide, order) = factors[0], self.orders
             if first % width == 0 and factors == tuple(range(first, min(first + width, self.count))):
@@ -150,8 +150,10 @@ def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
 
 
 def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """(packs, groups): the nodes whose sums over earlier coefficients share a vector, at most ``most``, and the groups
-    of :func:`_abreast` with which packs begin. Other nodes fill the rest of a pack, unless it has squares.
+    """(packs, groups). A pack lists at most ``most`` nodes whose sums over earlier coefficients share a vector.
+
+    A pack begins with one of the groups of :func:`_abreast`, if there are any left. Other nodes fill the rest of the
+    pack, unless its group consists of squares.
     """
     groups, packs = _abreast(tape, most), []
     rest = [n for n in products if not any(n in nodes for nodes in groups)]

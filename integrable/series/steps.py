@@ -22,8 +22,9 @@ PER_ORDER, PER_SQUARE, PER_WIDE_ORDER = 5e-3, 0.25e-3, 28e-3
 
 
 class Steps(NamedTuple):
-    """The orders of a walk's series, and bounds on their terms, to be tried in turn; each leads to more steps than the
-    one before.
+    """The orders of a walk's series, and ``tiers``: bounds on the terms of the series, which are tried in turn.
+
+    Each tier leads to shorter steps, and so to more of them, than the tier before it.
     """
 
     orders: Orders
@@ -35,10 +36,10 @@ class Steps(NamedTuple):
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE = Steps(WIDE, (Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56),))
 FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
-# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they serve for times of at most 64 and 600 first steps. Their second
-# walk has bounds 3 times as large: with 10 times the walks of the scene ``hat`` disagreed within 36 steps of BRIEF. In
-# 900 motions the states on which both walks agreed were right to a tenth of the rounding unit
-# (tests/integrable/series/test_walks.py has some of them)
+# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are used up to times of 64 and 600 times the first step. The
+# bound on the last terms is 3 times as large in the second walk. If it was 10 times as large, the two walks of the
+# scene ``hat`` disagreed within 36 steps of BRIEF. In 900 motions the states on which both walks agreed were right to a
+# tenth of the rounding unit (tests/integrable/series/test_walks.py has some of them)
 BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
 ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
 IN_TURN = Steps(WIDE, (BRIEF, ROUGH, *FINE.tiers))
@@ -46,12 +47,12 @@ PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # The last terms of series are at most SHARE of the tolerance for PLAIN steps, in floats, and SHARE_OF_MIDDLE of it for
 # MIDDLE steps, whose first terms are double-doubles; the first float term of the latter is at most ROUNDED_IN_MIDDLE.
 # These bounds are COARSER times as large in the second walk. The error is estimated as SPARE times the difference of
-# the walks: of 3,600 walks of eccentric orbits in a galaxy 6 had more than twice this error, with COARSER = 3 there
-# were 22
+# the walks. Of 3,600 walks along eccentric orbits in a galaxy, 6 had an error of more than twice the estimate, and 22
+# if COARSER was 3
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 3e-5, 1e-6, 3e-3, 10.0, 3.5
-# PLAIN steps are tried for times of at most FARTHEST_IN_FLOATS first steps at a tolerance of 1e-12: Neumann's point has
-# a larger error after 600 of them, the Toda lattice an error of 1e-13 after 480 (python -m benchmarks near). Rounding
-# errors grow as the 3/2 power of the number of steps
+# At a tolerance of 1e-12 PLAIN steps are tried up to times of FARTHEST_IN_FLOATS times the first step. Neumann's point
+# has a larger error than this tolerance after 600 steps, the Toda lattice an error of 1e-13 after 480 (python -m
+# benchmarks near). Rounding errors grow as the 3/2 power of the number of steps
 FARTHEST_IN_FLOATS = 500.0
 
 

@@ -58,7 +58,7 @@ class Sums:
         self._sums: dict[tuple[int, ...], Wide] = {}
         # in a loop: for each vector and order of the round, the sum of the terms whose factors are from earlier rounds
         self._before: dict[tuple[int, ...], list[Wide]] = {}
-        # in a loop: by stride, the number of vectors from one order to the next, a pointer that advances with the order
+        # in a loop: pointers that advance with the order, by their stride (the number of vectors from order to order)
         self._moving: dict[int, str] = {}
 
     def _begin_round(self, loop: Loop, done: str) -> None:
@@ -125,8 +125,9 @@ class Sums:
         return fast_two_sum(text, high, low) if k else (high, low)
 
     def _put_sides(self, k: int, of_variables: bool) -> None:
-        """Stores coefficients k of the sides of vectors: of those that consist of variables if ``of_variables``, else
-        of all others.
+        """Stores coefficients k of the factors in each :class:`integrable.series.room.Side`.
+
+        Stored are the sides that consist of variables if ``of_variables``, else all other sides.
         """
         for side in self.room.placed:
             if of_variables != (max(side.factors) < self.room.count):
@@ -400,7 +401,7 @@ def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | No
 
 
 def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]], before: str) -> str:
-    """``before`` + Σ x·y in floats, as two sums that are added in parallel."""
+    """``before`` + Σ x·y in floats, as two partial sums that the processor computes in parallel."""
     sums: list[str] = [before] if before else []
     for i, ((x, _), (y, _)) in enumerate(pairs):
         if len(sums) < min(2, max(1, len(pairs) // 2)):

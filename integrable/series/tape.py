@@ -22,9 +22,9 @@ class Tape(NamedTuple):
     """The nodes of a formula: node n is the operation ``kinds[n]`` on the nodes ``left[n]`` and ``right[n]``.
 
     Variables come first, then constants, then operations; independent operations are grouped by kind. A MULTIPLE is a
-    product whose left factor is a constant or a constant of motion. A ROOT has its radicand on both sides, and a
-    GROWTH, e^x − 1, its argument x. No series is available for a GROWTH. ``constants`` has the values of the constant
-    nodes, and 0 for all other nodes. ``results`` are the nodes of the values that the formula returned.
+    product whose left factor is a constant or a constant of motion. A ROOT has its radicand as its left and right node,
+    and a GROWTH, e^x − 1, its argument x. No series is available for a GROWTH. ``constants`` has the values of the
+    constant nodes, and 0 for all other nodes. ``results`` are the nodes of the values that the formula returned.
     """
 
     kinds: list[int]
@@ -92,7 +92,9 @@ class _Recorder:
 
 
 def _known_by(constant: object) -> object:
-    """Equal constants share a node, except balls: equal balls may stand for different numbers."""
+    """The key of a constant: constants with one key share a node. Each ball has its own key, since equal balls may
+    stand for different numbers.
+    """
     try:
         hash(constant)
     except ValueError:

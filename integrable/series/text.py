@@ -18,7 +18,7 @@ class Text(Code):
     def __init__(self, lanes: int, before: Text | None = None) -> None:
         super().__init__(types_in(lanes))
         self.lanes = lanes
-        # instructions of another vector width continue the text ``before``
+        # the instructions are appended to the text ``before``, which may have another vector width
         self._numbers: Iterator[int] = count() if before is None else before._numbers
         self.lines = self.lines if before is None else before.lines
 

@@ -59,7 +59,7 @@ class Bounds(NamedTuple):
 
     ``left_out`` bounds the last two terms, ``rounded`` the first two terms in floats. In the second walk these bounds
     are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right. The
-    bounds serve for times at most ``farthest`` first steps away.
+    bounds are used only for times up to ``farthest`` times the length of the first step.
     """
 
     left_out: float
@@ -115,7 +115,7 @@ class Compared(NamedTuple):
 
     ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will.
     ``first`` is the number of rows up to the last comparison before the first lost one. ``gap`` is the largest
-    difference.
+    difference of the walks, relative to the largest component of q, or of p.
     """
 
     rows: int
@@ -166,8 +166,8 @@ class Many(NamedTuple):
 
 
 class Slots(NamedTuple):
-    """The motions whose walks are in the lanes of a vector: their numbers, −1 for none, and the integers and the floats
-    of their :class:`Course`, COUNTS and four for each.
+    """The motions whose walks are in the lanes of a vector: ``members`` are their numbers, −1 for none. ``counts`` and
+    ``floats`` hold COUNTS integers and four floats for each motion, the fields of its :class:`Course`.
     """
 
     members: Array
@@ -178,13 +178,12 @@ class Slots(NamedTuple):
 def walked(
     codes: Codes, tiers: Array, layout: Layout, given: Given, room: Array, outputs: Outputs, tier: int, most: float
 ) -> tuple[int, int, int, float, int, int]:
-    """The number of times reached, how many comparisons failed, how many rows were lost, the largest difference, the
-    number of steps, and the index of the bounds.
+    """The number of times reached, ``wrong``, ``lost`` and ``gap`` of :class:`Compared`, the number of steps, and the
+    index of the bounds.
 
-    ``tiers`` are :class:`Bounds` one after the other; the first that serve for the last time are taken, from the index
-    ``tier`` on. A walk that is estimated to need more than ``most`` steps is given up. The difference is that of the
-    two walks, relative to the largest component of q, or of p. Times must be of one sign and ascend in size; otherwise
-    the first number is −1.
+    ``tiers`` are :class:`Bounds` one after the other. The first of them are used, from the index ``tier`` on, that
+    allow a walk as far as the last of the times. A walk that is estimated to need more than ``most`` steps is given up.
+    Times must be of one sign and ascend in size; otherwise the first number is −1.
     """
     course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
     goes = course.limit > 0
@@ -268,8 +267,8 @@ def put_course(slots: Slots, slot: int, course: Course) -> None:
 def begun(
     codes: Codes, tiers: Array, layout: Layout, given: Given, room: Array, lane: int, outputs: Outputs, tier: int
 ) -> Course:
-    """Begins the walks of a motion in this lane. If the times are not in order or no bounds serve for the last one, the
-    walks do not begin: no row is to be reached.
+    """Begins the walks of a motion in this lane. If the times are not in order, or the last of them is too far for all
+    bounds, the walks do not begin: no row is to be reached.
     """
     times, unit, limit, rows = outputs.times, 1.0, 0, 0
     if in_order(times):
@@ -494,7 +493,7 @@ def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, 
 
 
 def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bool:
-    """Whether about ``most`` steps suffice for the last time, estimated from the present step or the mean step."""
+    """Whether about ``most`` steps reach the time ``last``, estimated from the present step or the mean step."""
     left, gone = abs(last - now), abs(now)
     if not (step > 0 and gone < MOST_UNITS):
         return False
@@ -517,7 +516,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
                 marks[row] = WRONG
                 wrong += 1
             worst = widest if not widest <= worst else worst
-            # the difference grows at least linearly in time, so that of the last row is at least ``widest``·last/way
+            # the difference grows at least linearly in time, so it is at least ``widest``·last/way in the last row
             way = abs(times[row])
             if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
                 first = rows if lost == 0 else first

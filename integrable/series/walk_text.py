@@ -29,7 +29,7 @@ MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
 # for states between steps, the last 1/FLOATS of the double-double terms are summed in floats: their sum is less than a
 # thousandth of the state
 FLOATS = 3
-# number of times that one vector holds
+# how many of the times asked for fit into one vector
 TIMES = WIDEST
 # for |x| below about 2^9, e^x − 1 takes TERMS terms of its series at x/2^HALVED, then HALVED doublings of the argument
 HALVED, TERMS = 11, 18

@@ -189,7 +189,7 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 def _without_dust(field: Any, image: State) -> State:
     """The image of a perturbed state (:func:`_nudged`), with 0 for the components that are not 0 only because of the
-    perturbation. So it is a rotation about an axis.
+    perturbation. The result is the state of a body that rotates about a principal axis.
     """
     sizes = field.one, max(map(abs, image.vectors[1]))
     row = [

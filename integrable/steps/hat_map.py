@@ -22,9 +22,9 @@ class HatMap(Step):
     suitable h1 and h2 the polynomial x²V² − φ·(h1x + h2) has the roots u_k and û_k, and V̂ = −V. Pairs are mapped by
     :func:`jacobian.relatives.signed.reflected` with the roots 2|Aw|/a_i.
 
-    The map preserves the bracket, but not H1 and H2. It is the keyless map followed by the lift of A
-    (:mod:`integrable.phase.isometry`). :func:`integrable.phase.sphere.hat` is the map in the coordinates (u, p).
-    ``signs`` are the signs of the γ̂_i.
+    The map preserves the bracket, but not H1 and H2. It is :class:`integrable.steps.moves.Keyless`
+    followed by the lift of A (:mod:`integrable.phase.isometry`). :func:`integrable.phase.sphere.hat` is the map in the
+    coordinates (u, p). ``signs`` are the signs of the γ̂_i.
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:

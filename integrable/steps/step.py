@@ -38,7 +38,7 @@ class Step(Immutable):
         raise NotImplementedError
 
     def over(self, system: Any) -> Self:
-        """The same map on the same system over another field, such as the jets over the system's field."""
+        """The same map on the same system over another field, such as jets (:mod:`integrable.phase.jets`)."""
         return replaced(self, system=system)
 
     def wider(self, system: Any) -> Self:

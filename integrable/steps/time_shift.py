@@ -28,9 +28,10 @@ FARTHEST = 1e100
 class Shift(Move):
     """The time-1 map of the Hamiltonian F(H1, H2) for the bracket of :meth:`System.poisson`, in the flow's own time τ.
 
-    F is written with Python's operators: ``lambda h1, h2: h1 * h2``; jets give its derivatives. F = H1/2 is the motion
-    over τ = 1. The map adds T(w), the translation with (Σ∫dx/y, Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2). It preserves the
-    bracket and commutes with the motion in τ and with every other shift.
+    F is written with Python's operators: ``lambda h1, h2: h1 * h2``; its derivatives come from
+    :mod:`integrable.phase.jets`. F = H1/2 is the motion over τ = 1. The map adds T(w), the translation with (Σ∫dx/y,
+    Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2). It preserves the bracket and commutes with the motion in τ and with every other
+    shift.
 
     The map runs over RR and MP only. The inputs are taken as exact, and all digits of the image are correct for any w.
     For a tilted state F is taken at the integrals of :meth:`System.upright`.

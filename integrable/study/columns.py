@@ -58,7 +58,7 @@ def _how_far(behind: Behind) -> str:
 
 
 def horizon_name(T: float | None) -> str:
-    """The head of the column of standings at the time T, or at all times of a scene if T is None."""
+    """The head of the column that compares methods at the time T, or at all times of a scene if T is None."""
     return "all its times" if T is None else f"T = {plain_power(T)}"
 
 
@@ -87,10 +87,10 @@ def taken(row: dict[str, Any]) -> str:
 
 
 def ratio_cell(standing: Standing | None) -> str:
-    """A standing as the text of a ratio, or of a lower bound.
+    """The text of a ratio of run times, or of a lower bound of it.
 
     "none" means that no method was accurate enough, "stopped" that the methods of :data:`integrable.study.plan.STRONG`
-    could not run, and "–" that there is no standing.
+    could not run, and "–" that ``standing`` is None.
     """
     if standing is None:
         return "–"

@@ -43,7 +43,7 @@ COARSE = 0.1
 
 @dataclass(frozen=True)
 class Behind:
-    """A comparator's row whose error is smaller than that of every row of the flow that takes at most as long."""
+    """A comparator's row that is more accurate than all rows of the flow with the same or a shorter run time."""
 
     scene: str
     row: dict[str, Any]
