@@ -87,8 +87,8 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def _compile_walks(scene: Scene) -> None:
-    """Compiles or loads the integration near the start for the kind of the scene's system, as a longer use of the flow
-    would do.
+    """Compiles, or loads from disk, the Taylor series that systems of this kind use for times near the start. In longer
+    use the flow would compile them by itself.
     """
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian

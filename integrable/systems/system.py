@@ -43,7 +43,8 @@ class System(PhaseSpace[Element]):
     ) -> Translation:
         """The Bäcklund map D ↦ D + [multiple]Σ((x_k, ±√f(x_k)) − ∞), for two abscissas x_k, or for one if d ≠ 0.
 
-        Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
+        Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`, which
+        also defines ``sheets``, the signs ±, and ``signs``.
 
         The image is real for two points on one oval, two points beyond 1/d, a complex-conjugate pair, the branch point
         1/d, or an even multiple of any points.

@@ -182,7 +182,7 @@ class LongStates(BodyTorus):
 
     def __init__(self, setup: Setup, loops: ReadableLoops) -> None:
         super().__init__(setup, loops)
-        # (γ̃, w̃) by their phases; whole turns change only the signs
+        # (γ̃, w̃) of :func:`frame_at`, as found at a pair of phases; whole turns change only signs
         self._frames = dict[tuple[Real, Real], Row]()
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:

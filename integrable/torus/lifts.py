@@ -49,7 +49,9 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) at phases in turns since the start. They must be below 2, because larger phases would lose digits."""
+    """(γ̃, w̃) of :mod:`integrable.torus.states` at phases in turns since the start. The phases must be below 2,
+    because larger ones would lose digits.
+    """
     sums, places = torus.sums, torus.places
     one, two = circle((first + places[0]) / 2, sums.inverse), circle((second + places[1]) / 2, sums.inverse)
     x, p = theta(sums, 0, one, two)
@@ -59,7 +61,7 @@ def frame_at(torus: Torus, first: Real, second: Real) -> Row:
 
 
 def frame_from(factors: Row, values: Row, slopes: Row) -> Row:
-    """(γ̃, w̃) from the theta functions and their derivatives."""
+    """(γ̃, w̃) of :mod:`integrable.torus.states`, from the theta functions and their derivatives."""
     a, b, c = factors[0], factors[1], factors[2]
     x, y, z = a * values[0], b * values[1], c * values[2]
     p, q, s = a * slopes[0], b * slopes[1], c * slopes[2]
@@ -241,7 +243,8 @@ class RateSums(NamedTuple):
     of theta functions from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞. ``numbers`` are a_n
     and b_n of three classes, then s.
 
-    If the body is ``tilted``, Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends with the c_i.
+    If the body is ``tilted``, the tilt term Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends
+    with the c_i.
     """
 
     first: int
