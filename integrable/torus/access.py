@@ -1,8 +1,8 @@
 """Random access to a motion: a state at any τ or t takes two phases and three theta functions.
 
-A whole turn of a phase changes only signs of γ_i. Compiled loops use double-doubles and round once, so no error grows
-with the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate times τ plus a Fourier series
-on the torus, inverted by Newton's method. (Fedorov 2009 writes t in theta functions.)
+A whole turn of a phase changes only signs: those of the γ_i of the upright body. Compiled loops use double-doubles and
+round once, so no error grows with the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate
+times τ plus a Fourier series on the torus, inverted by Newton's method. (Fedorov 2009 writes t in theta functions.)
 """
 
 from __future__ import annotations
