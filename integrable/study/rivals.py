@@ -130,7 +130,8 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
     """The comparison of the flow with other methods, with the keys "flow", "floor_gamma", "peer", "tried" and "strong".
 
     "peer" is the fastest other method whose error is at most the flow's or ``floor``, or None if there is none. "tried"
-    has the most accurate run of each method, or the reason why there is none.
+    has the most accurate run of each method, or the reason why there is none. "strong" has the names in
+    :data:`~integrable.study.plan.STRONG`.
     """
     limits = task.limits
     flow = flow_once(task.scene, FLOAT_DIGITS, task.kernel)

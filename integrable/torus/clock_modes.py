@@ -248,7 +248,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
 def packed_modes(
     tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
 ) -> tuple[int, int, int, int]:
-    """Packs the modes left by :func:`swings` whose part of dS/dτ exceeds ``least``, in the layout of
+    """Packs those modes left by :func:`swings` whose coefficient of dS/dτ exceeds ``least``, in the layout of
     :class:`~integrable.torus.clock_loops.ClockSeries`. Returns the least m, and the numbers of m, rows and modes.
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes

@@ -132,7 +132,8 @@ def resolved_samples(
 
 
 class LongIntegral:
-    """∫_0^τ F dτ in multiprecision for F with mean 0, to ``digits`` relative to its largest part.
+    """∫_0^τ F dτ in multiprecision for a function F with several parts, each of mean 0. The result has ``digits``
+    digits, relative to the largest part.
 
     F takes states of bare reals, and may change its sign if an odd number of the γ_i do. PrecisionLoss where the torus
     degenerates, or F needs too many samples.

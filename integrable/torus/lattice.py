@@ -91,8 +91,9 @@ def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]
 
 
 def with_open_ovals(problem: Problem, closest: Real) -> Problem:
-    """The motion with ovals of at least the length ``closest``, relative to the largest difference of the α_i. This
-    changes states by about √``closest``. An oval is a point if two α_i are equal, and for a rotation about an axis.
+    """The motion with ovals of at least the length ``closest``, relative to the largest difference of the branch points
+    α_i = a_i/max a. This changes states by about √``closest``. An oval is a point if two α_i are equal, and for a
+    rotation about an axis.
     """
     axes, zeta = list(problem.axes[:3]), problem.ratio
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
@@ -106,7 +107,9 @@ def with_open_ovals(problem: Problem, closest: Real) -> Problem:
 
 
 def best_origin(problem: Problem) -> Real:
-    """The origin, 0 or one of the α_i, that keeps the most digits of the distances between branch points."""
+    """The origin, 0 or one of the roots α_i = a_i/max a of f, that keeps the most digits of the distances between
+    branch points.
+    """
     points = problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 

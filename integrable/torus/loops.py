@@ -54,7 +54,7 @@ class ReadableLoops:
         # the size of rounding errors in 1/g, at which its Fourier series ends
         self.noise = 10.0**-digits
         self.depth, self.nudge = bits * log(2) / pi, 2.0 ** -(2 * bits // 5)
-        # ovals that are points are opened to this length, relative to the largest difference of the α_i
+        # ovals that are points are opened to this length, relative to the largest difference of the branch points α_i
         self.closest = 2.0 ** (16 - bits)
         self.circle = theta_series.circle_numbers(self.reals, bits)
 

@@ -93,7 +93,7 @@ def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row
         u, v, w = third_of((x, y, z, p, q, s))
         dx, dy, dz, du, dv, dw = velocity(motion, (x, y, z, p, q, s))
         right[to], right[to + 2], right[to + 4] = dx, dy, dz
-        # w̃ = γ̃ × M̃/|M̃|
+        # the derivative of w̃ = γ̃ × M̃/|M̃|
         right[to + 1] = dy * w - dz * v + y * dw - z * dv
         right[to + 3] = dz * u - dx * w + z * du - x * dw
         right[to + 5] = dx * v - dy * u + x * dv - y * du

@@ -177,7 +177,7 @@ def placed(
 
 
 def start_frame(point: Row, out: Row) -> None:
-    """Writes γ̃_1, w̃_1, γ̃_2, … of a moving point."""
+    """Writes γ̃_1, w̃_1, γ̃_2, … (:mod:`integrable.torus.states`) of a moving point."""
     gamma, w = gamma_and_w(point)
     size = 1 / root(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
     for i in range(3):
