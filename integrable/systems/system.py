@@ -73,7 +73,7 @@ class System(PhaseSpace[Element]):
         return Multiplication(self, factor)
 
     def conic(self, x0: Abscissa | None, y0: Abscissa, sign: int = 1) -> ConicStep:
-        """The step along a pencil of parabolas to the one through (x0, y0), at d = 0
+        """The step by the parabola through (x0, y0) in the pencil of parabolas of a state, at d = 0
         (:class:`integrable.steps.moves.ConicStep`).
         """
         from integrable.steps.moves import ConicStep

@@ -1,6 +1,6 @@
 """Square roots of |U| at branch points on a real torus of genus 2, by theta functions; on bare reals, compiled or
-interpreted. The same functions find the phases of the start, check a torus, and compute dt/dτ on a grid, for bodies and
-for Mumford's pairs on other curves.
+interpreted. Further functions find the phases of the start, check a torus, and compute dt/dτ on a grid. All serve
+bodies and Mumford's pairs on other curves.
 
 Let σ = √|U(e)| at a branch point e, and ν = −2∂σ with the derivative ∂ along (0, 1). Then σ ∝ θ_e/θ_∞ (Thomae; Mumford
 1984). A body has three such points, and its lifts (γ̃_i, w̃_i) are normalized by γ̃² = w̃² = 1 instead, without θ_∞.
@@ -198,7 +198,9 @@ def newton_step(target: Row, weights: Row, nudge: float, room: Row) -> tuple[flo
 
 
 def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
-    """Writes the lifts at CHECKED points, each followed by those one and two steps ahead and behind on the motion."""
+    """Writes the lifts at CHECKED points of the torus. After the lifts at a point come the lifts one and two steps
+    ahead and behind on the motion.
+    """
     nu1, nu2, wide = frequencies[0], frequencies[1], 2 * len(torus.factors)
     step = STEP / max(abs(float(nu1)), abs(float(nu2)))
     for n in abreast(0, CHECKED):

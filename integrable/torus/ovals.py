@@ -121,7 +121,7 @@ class Oval:
         return Node(*self._placed(x), (self._mean[0] * angle + rest[0], self._mean[1] * angle + rest[1]))
 
     def _placed(self, x: arb) -> tuple[arb, arb, arb, arb, arb]:
-        """A node without its integrals."""
+        """The fields of a :class:`Node` at φ = πx, without the integrals ``sums``."""
         (a, b), others = self._ends, self._others
         below, above = self._squares(x)
         length = b - a
