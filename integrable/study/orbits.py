@@ -51,8 +51,8 @@ class OrbitRow:
 class OrbitReport:
     """The error, drift and cost per step of an orbit.
 
-    Where each step adds the same divisor D', ``jump`` is the difference between the end of the orbit and the state that
-    a single addition of [count]D' to the start reaches. For other maps it is None.
+    If each step adds the same divisor D', one addition of [count]D' to the start leads to the end of the orbit, up to
+    the difference ``jump``. For other maps ``jump`` is None.
     """
 
     title: str
@@ -171,9 +171,9 @@ def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, 
 
 
 def _jump(step: Any, state: State, found: Orbit) -> float | None:
-    """The largest difference of γ and M/|M| between the end of an orbit of count steps, each of which adds the divisor
-    D', and the state that one addition of [count]D' reaches. Over an exact field the result is 1 if they differ, else
-    0. None if the step is no translation.
+    """The largest difference of γ and M/|M| between two states, for count steps that add the divisor D' each: the end
+    of the orbit, and the state that one addition of [count]D' reaches. Over an exact field the result is 1 if they
+    differ, else 0. None if the step is no translation.
     """
     if not isinstance(step, Translation):
         return None

@@ -39,7 +39,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 class TorusIntegral:
-    """∫_0^τ F dτ for F with mean 0.
+    """∫_0^τ F dτ for a function F of the state, with several parts, each of mean 0.
 
     F may change its sign if an odd number of the γ_i do, so its periods are those of :func:`periods_of`. ``least``,
     shape (m,), is the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points

@@ -26,7 +26,7 @@ FAR = 1e30
 
 
 class RateCurve(NamedTuple):
-    """The attributes of a :class:`~integrable.moving_point.problem.Problem` from which the modes of a rate are made."""
+    """Attributes of a :class:`~integrable.moving_point.problem.Problem` from which Fourier modes of dt/dτ are made."""
 
     axes: tuple[Real, ...]
     ratio: Real

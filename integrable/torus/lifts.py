@@ -100,8 +100,9 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 class Limits(NamedTuple):
     """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
-    the step of its difference quotients, in turns. Lifts below the fraction ``smallest`` of the largest come from the
-    length that was given to an oval that is a point; ``smallest`` is 0 if no oval is a point.
+    the step of its difference quotients, in turns. If an oval is a double root, its two roots are moved slightly apart,
+    which adds to the lifts of the start. Lifts below the fraction ``smallest`` of the largest may consist of this
+    addition alone; ``smallest`` is 0 if no oval is a double root.
     """
 
     enough: float
