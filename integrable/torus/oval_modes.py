@@ -152,7 +152,9 @@ class FoundModes(NamedTuple):
 
 
 def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: float) -> FoundModes:
-    """The tables of a torus to this many digits, starting from a first size."""
+    """The tables of the modes of 1/g down to 10^(−digits) of its mean. The number of modes is
+    ``size`` at first, and is enlarged until the last modes are that small.
+    """
     while True:
         torus.use(size, most_work)
         found = FoundModes(size, torus.upright(), torus.leaning())

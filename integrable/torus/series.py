@@ -176,8 +176,8 @@ class LongSeries:
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Real, Real]], digits: int | None = None) -> list[Real]:
-        """S at pairs of phases in turns; phases and results are numbers of the field. With ``digits``, S has only that
-        many digits relative to the size of F.
+        """The function S of :class:`TorusSeries` at pairs of phases in turns; phases and results are numbers of the
+        field. With ``digits``, S has only that many digits relative to the size of F.
         """
         if digits not in self._levels:
             self._levels[digits] = self._level(digits)
