@@ -56,8 +56,8 @@ def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str
 def first_answer(source: str, method: str) -> dict[str, Any]:
     """The seconds to a first answer, everything included. The answer is the state one time scale after the start.
 
-    "cold" is measured in a process for which nothing has been compiled, "disk" in one that finds compiled code on disk,
-    and "process" at a second call in the same process.
+    The result has three times: "cold" in a process for which nothing has been compiled, "disk" in one that finds
+    compiled code on disk, and "process" at a second call in that process.
     """
     code = _START + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
     with tempfile.TemporaryDirectory() as cache:

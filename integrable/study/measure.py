@@ -1,4 +1,5 @@
-"""Measures one task, according to its kind. The result is plain data for JSON, or an exception that the row quotes.
+"""Measures one task, according to its kind. The result is plain data for JSON. If a task cannot be measured, an
+exception is raised, whose message stands in the task's row of the report.
 
 Run times are medians of ``time.perf_counter``, split as :class:`integrable.oracles.method.Spent` defines; "total" is
 the time of set-up and evaluation. Every run starts from a new system and state. ``tick(label)`` is called between the
@@ -74,8 +75,10 @@ def _floor(task: Task, _: Data | None, __: Tick) -> Data:
 
 
 def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
-    """The times and the function that ``conditioning`` takes. For a motion they are about ``most`` of the scene's
-    times, including the last one, and None. For an orbit they are its last step and a function that computes the orbit.
+    """The times and the function that ``conditioning`` takes.
+
+    A motion is judged at about ``most`` of the scene's times, including the last one, and the function is None. An
+    orbit is judged at its last step, and the function computes the orbit.
     """
     if scene.steps is None:
         times = scene.times.at(digits)
@@ -93,7 +96,7 @@ def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
 
 def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
     result, found = flow_run(task, tick)
-    del result["first"]  # "machine" and "total" contain it
+    del result["first"]  # it is about the sum of "machine" and "total"
     return result | _truth_of(task, kept).judge(found.gamma, found.M)
 
 
@@ -209,7 +212,9 @@ def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any
 
 
 def _in_turn(runs: dict[str, Callable[[], Timed]], task: Task, tick: Tick) -> dict[str, Timing]:
-    """The times of functions that run repeatedly in turn. A run longer than the limits allow is not repeated."""
+    """The run times of several functions, each called repeatedly and in turn. A run longer than the limits allow is
+    not repeated.
+    """
     limits = task.limits
     return interleaved(runs, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 

@@ -5,7 +5,7 @@ The ball and the top move by the divisor flow, systems of any genus by additions
 elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. Rows
 start from the scene's numbers rounded to doubles, as in a study (:mod:`integrable.scene.doubles`), and their errors
 refer to that motion. If both the run and a row have more than 15 digits, the row starts from the scene's own numbers,
-and its errors refer to their motion.
+and its errors refer to the motion from these numbers.
 
 The truth is the same motion at ``truth_digits`` digits. It is compared once with another integrator at a short time:
 the Taylor series of :mod:`integrable.oracles.reference`, Gauss collocation for a system of any genus, the integrated
@@ -217,7 +217,9 @@ class _Run:
         )
 
     def finished(self, rows: Sequence[Row]) -> Report:
-        """The finished report, with the check of the truth, the growth of the residual and the floor."""
+        """The finished report, with the check of the truth, the floor, and the distance of the divisor from its curve
+        after many additions (``residual_growth``).
+        """
         check = self.truth(self.own.scene)["check"]
         found: dict[str, Any] = {}
         for task in self.others:

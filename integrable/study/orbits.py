@@ -1,8 +1,8 @@
 """The report of an orbit: error, drift of the integrals and cost per step of a scene's ``[steps]``.
 
 Over real numbers errors refer to the same orbit at ``truth_digits`` digits. Over a finite field every step is exact:
-the error is 0, the integrals are constant, and only the cost is measured. Where the map is one translation by D', a
-single addition of [count]D' must reach the end of the orbit; the report includes that check.
+the error is 0, the integrals are constant, and only the cost is measured. Where each step adds the same divisor D', a
+single addition of [count]D' to the start must reach the end of the orbit; the report includes that check.
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ class OrbitRow:
 class OrbitReport:
     """The error, drift and cost per step of an orbit.
 
-    ``jump`` is the difference between the end of the orbit and a single addition of [count]D', or None if unknown.
+    If each step adds the same divisor D', one addition of [count]D' to the start leads to the end of the orbit, up to
+    the difference ``jump``. For other maps ``jump`` is None.
     """
 
     title: str
@@ -170,7 +171,10 @@ def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, 
 
 
 def _jump(step: Any, state: State, found: Orbit) -> float | None:
-    """The largest difference of γ and M/|M| between the end of an orbit and one addition of [count]D'."""
+    """The largest difference of γ and M/|M| between two states, for count steps that add the divisor D' each: the end
+    of the orbit, and the state that one addition of [count]D' reaches. Over an exact field the result is 1 if they
+    differ, else 0. None if the step is no translation.
+    """
     if not isinstance(step, Translation):
         return None
     once = (step * (len(found.states) - 1))(state)

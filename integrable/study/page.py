@@ -78,7 +78,9 @@ def in_one_minute(study: Study) -> str:
 
 
 def _summary(study: Study) -> list[tuple[str, ...]]:
-    """The head of the table, then a row for each time T with the numbers of scenes by outcome, and the ratios."""
+    """The head of the table, then a row for each time T: the number of scenes with each outcome, and the range of the
+    other methods' run times divided by the flow's.
+    """
     outcomes = ("flow faster", "another faster", "no other as accurate", "others could not run", "flow refused")
     rows: list[tuple[str, ...]] = [
         ("at", "scenes", *outcomes, "time of fastest other ÷ flow: least … median … most"),

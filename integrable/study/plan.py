@@ -155,11 +155,11 @@ _ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "compara
 
 
 def in_order(tasks: Sequence[Task]) -> list[Task]:
-    """The rows of a study in the order in which they are measured.
+    """The tasks of a study in the order in which they are measured.
 
-    Tasks that need not run alone come first. Then come the rows that every scene should have even if time is short: the
-    flow in floats, and its rivals at single times. Last come the ladders of settings, with the methods of
-    :data:`STRONG` first.
+    Tasks that need not run alone come first. Then come the tasks that every scene should have even if time is short:
+    the flow in floats, and its comparison with other methods at single times. Last come the other methods at each of
+    their settings, with the methods of :data:`STRONG` first.
     """
 
     def place(task: Task) -> tuple[int, bool, float]:

@@ -1,5 +1,5 @@
-"""Pictures of a run: error against run time, γ on the sphere, coordinates against time, growth of the residual, error
-along an orbit.
+"""Pictures of a run: error against run time, γ on the sphere, coordinates against time, the distance of the divisor
+from its curve against the number of additions, and the error along an orbit.
 
 Figures are made with matplotlib's objects, without pyplot and without any global state, and returned as the bytes of a
 PNG or SVG file. A method has one colour and one marker in all figures (:mod:`integrable.scene.looks`).

@@ -167,7 +167,7 @@ def opening(report: Report) -> list[str]:
 
 
 def row_line(report: Report, row: Row) -> str:
-    """A row of the table."""
+    """The line of text that shows ``row`` in the report's table."""
     drift = row.drift or {}
     drifts = (figure(drift.get(name), 1) for name in report.integrals)
     times = map(duration, (row.setup, row.evaluation, row.total))
@@ -187,7 +187,9 @@ def _line(cells: Sequence[str], names: tuple[int, int]) -> str:
 
 
 def closing(report: Report) -> list[str]:
-    """The lines after the rows: the meaning of the columns, the check of the truth, the growth of the residual."""
+    """The lines after the rows: the meaning of the columns, the check of the truth, and the distance of the divisor
+    from its curve after many additions.
+    """
     check = report.truth
     gamma, M = report.letters
     verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."

@@ -87,8 +87,8 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def _compile_walks(scene: Scene) -> None:
-    """Compiles or loads the integration near the start for the kind of the scene's system, as a longer use of the flow
-    would do.
+    """Compiles, or loads from disk, the Taylor series that systems of this kind use for times near the start. In longer
+    use the flow would compile them by itself.
     """
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
@@ -130,7 +130,8 @@ def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
     """The comparison of the flow with other methods, with the keys "flow", "floor_gamma", "peer", "tried" and "strong".
 
     "peer" is the fastest other method whose error is at most the flow's or ``floor``, or None if there is none. "tried"
-    has the most accurate run of each method, or the reason why there is none.
+    has the most accurate run of each method, or the reason why there is none. "strong" has the names in
+    :data:`~integrable.study.plan.STRONG`.
     """
     limits = task.limits
     flow = flow_once(task.scene, FLOAT_DIGITS, task.kernel)

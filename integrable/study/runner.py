@@ -88,7 +88,9 @@ def _kept(task: Task, store: Store) -> dict[str, Any] | None:
 def _hand_out(
     pending: dict[str, Task], looked: set[str], workers: Sequence[_Worker], store: Store, finished: dict[str, Any]
 ) -> list[Task]:
-    """Reads the stored tasks of ``pending``, gives ready ones to free workers, and returns the tasks that were read."""
+    """Gives tasks of ``pending`` to free workers, if the results that the tasks depend on are there. Stored results are
+    read instead; the tasks to which they belong are returned. ``looked`` holds the keys already looked up in the store.
+    """
     kept = []
     for task in [task for task in pending.values() if _ready(task, finished)]:
         if task.key not in looked:

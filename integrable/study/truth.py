@@ -223,8 +223,8 @@ class Judge:
     def errors(self, gamma: Any, M: Any) -> dict[str, float]:
         """The errors of γ and of M (relative to |M|), the largest over the rows.
 
-        Errors of q and p are relative to the largest value at the start or at that time, so that rounding next to a
-        pole does not count.
+        Errors of q and p in a row are relative to the largest component at the start or in that row of the truth.
+        Rounding next to a pole then does not count.
         """
         parts = {"error_gamma": (gamma, self.gamma, self.size_of_gamma), "error_M": (M, self.M, self.size_of_M)}
         return {name: float(max(self._relative(*part))) for name, part in parts.items()}

@@ -20,8 +20,8 @@ __all__ = ["Scenes", "done"]
 
 
 class Scenes(Starts[Motion, Any]):
-    """Members of a scene with a deformation. ``rows`` are the numbers that replace the scene's for each member
-    (:meth:`integrable.sweeps.grid.Grid.rows`).
+    """Members of a sweep over a scene with a deformation. Each of ``rows`` has the numbers that replace those of the
+    scene for one member (:meth:`integrable.sweeps.grid.Grid.rows`).
     """
 
     _columns, _arrays = COLUMNS, ("rows",)

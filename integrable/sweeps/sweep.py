@@ -112,7 +112,9 @@ def sweep(
 
 @dataclass(frozen=True)
 class _Source:
-    """The motions of a sweep: ``count`` members, a range of which ``members(begin, end)`` gives, at ``times``."""
+    """The motions of a sweep, at ``times``. ``count`` is the number of members; ``members(begin, end)`` are the motions
+    of the members from ``begin`` to ``end`` − 1.
+    """
 
     name: str
     times: np.ndarray

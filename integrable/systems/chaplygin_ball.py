@@ -45,7 +45,9 @@ class ChaplyginBall(System[Coordinate]):
 
     @classmethod
     def _of(cls, body: Body[Coordinate]) -> ChaplyginBall[Coordinate]:
-        """The ball of a body, with no warning: its moments may be any parameters, as those of a Hamiltonian are."""
+        """The ball with the parameters of ``body``, made without the warning for moments that no rigid body has. A
+        Hamiltonian may have such parameters.
+        """
         made = object.__new__(cls)
         vars(made).update(radius=None, body=body)
         return made

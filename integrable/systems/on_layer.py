@@ -1,4 +1,4 @@
-"""The ball and the top as members of the family of :mod:`integrable.mumford.bodies`, with l(x) = 1 − dx there."""
+"""The ball and the top as members of the family of :mod:`integrable.mumford.bodies`: those with l(x) = 1 − dx."""
 
 from __future__ import annotations
 

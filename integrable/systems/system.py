@@ -43,7 +43,8 @@ class System(PhaseSpace[Element]):
     ) -> Translation:
         """The Bäcklund map D ↦ D + [multiple]Σ((x_k, ±√f(x_k)) − ∞), for two abscissas x_k, or for one if d ≠ 0.
 
-        Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
+        Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`, which
+        also defines ``sheets``, the signs ±, and ``signs``.
 
         The image is real for two points on one oval, two points beyond 1/d, a complex-conjugate pair, the branch point
         1/d, or an even multiple of any points.
@@ -72,7 +73,7 @@ class System(PhaseSpace[Element]):
         return Multiplication(self, factor)
 
     def conic(self, x0: Abscissa | None, y0: Abscissa, sign: int = 1) -> ConicStep:
-        """The step along a pencil of parabolas to the one through (x0, y0), at d = 0
+        """The step by the parabola through (x0, y0) in the pencil of parabolas of a state, at d = 0
         (:class:`integrable.steps.moves.ConicStep`).
         """
         from integrable.steps.moves import ConicStep

@@ -1,8 +1,8 @@
 """Random access to a motion: a state at any τ or t takes two phases and three theta functions.
 
-Whole turns of the phases change signs only. Compiled loops use double-doubles and round once, so no error grows with
-the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate times τ plus a Fourier series on the
-torus, inverted by Newton's method. (Fedorov 2009 writes t in theta functions.)
+A whole turn of a phase changes only signs: those of the γ_i of the upright body. Compiled loops use double-doubles and
+round once, so no error grows with the time; interpreted loops use more digits. Physical time t = ∫dτ/g is a mean rate
+times τ plus a Fourier series on the torus, inverted by Newton's method. (Fedorov 2009 writes t in theta functions.)
 """
 
 from __future__ import annotations
@@ -110,9 +110,10 @@ class BodyTorus:
 
     @cached_property
     def mean(self) -> Real:
-        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
+        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, computed without samples of 1/g.
 
-        A tilt does not change it: the tilt term changes its sign around an oval that contains one α_i.
+        The tilt term of 1/g (:class:`~integrable.torus.lifts.RateSums`) has mean 0, because it changes its sign around
+        an oval that contains one α_i.
         """
         return self.loops.wide(self.rates[2:3], self.setup.wide)[0]
 
@@ -132,7 +133,9 @@ class BodyTorus:
 
 
 def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
-    """(ε₁, ε₂, δ₁, δ₂) of the theta functions of α1, α2, α3; ``points`` are α1, α2, α3 and ζ."""
+    """(ε₁, ε₂, δ₁, δ₂) of the theta functions that belong to the branch points α1, α2 and α3. ``points`` are these and
+    ζ (:mod:`integrable.torus.states`).
+    """
     # α_i that are equal in floats are distinguished by their index
     *axes, zeta = points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
@@ -217,7 +220,7 @@ class TorusFlow(BodyTorus):
         if not start < end:
             return None
         if states.__name__ not in self._lengths:
-            # the search is the same for all requests, so that none changes the bits of another
+            # the length does not depend on the requested times, so that one request does not change the bits of another
             self._lengths[states.__name__] = panel_length(states, self._step / 8)
         length = min(self._lengths[states.__name__], end - start)
         # panels account for the rounding of a time to first order only, which is enough if the rounding is this small

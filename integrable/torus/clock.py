@@ -40,10 +40,10 @@ EXTENDED, ROUNDING = 2.0**-58, 2.0**-90
 # a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
 # move τ
 LEAST_SWING = 1e-17
-# turns of a phase at the checked times: more than one in either direction, after which every sign that changes over its
-# period has changed
+# turns of a phase at the times of :meth:`FarTimes.witnesses`: more than one in either direction, so that sign changes
+# of the γ_i after a turn are tested
 TURNS = (1.23, -1.38)
-# beyond this number of turns the faster phase loses its fraction
+# beyond this number of turns of a phase, a time in floats no longer determines the fraction of a turn
 FAR = 2.0**48
 
 
@@ -57,7 +57,8 @@ Transform = Callable[[np.ndarray], tuple[Found, tuple[int, int]]]
 class FarTimes:
     """The times that a torus reaches, and those at which it is compared with another method.
 
-    ``paces`` are the turns of its phases per unit of time. Double-doubles resolve the fractions of ``most`` turns.
+    ``paces`` are the turns of the torus's phases per unit of time. Up to ``most`` turns of a phase, double-doubles
+    resolve the fraction of a turn.
     """
 
     paces: Sequence[float]
@@ -65,8 +66,8 @@ class FarTimes:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Two times for each phase, one in each direction, after which every sign that changes over its period has
-        changed.
+        """Two times for each phase, one positive and one negative, in which it makes more than one turn. So they test
+        the sign changes of the γ_i after a turn.
         """
         # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
         farthest = FAR / max(map(abs, self.paces))
@@ -97,9 +98,11 @@ def samples_of(
     sizes: tuple[int, int],
     known: np.ndarray | None = None,
 ) -> np.ndarray:
-    """A rate on a grid with ``sizes`` points per period of the divisor. Where ``odd``, the tilt term changes its sign
-    after that period, so a tilted rate has twice the period and twice as many points. Compiled loops give
-    double-doubles with a last axis. ``known`` are the samples of a coarser grid.
+    """dt/dτ, as the sums ``rate`` define it, on a grid with ``sizes`` points per period of the divisor.
+
+    Where ``odd``, the tilt term of ``rate`` changes its sign after that period. So the rate of a tilted body has twice
+    the period, and twice as many points. Compiled loops give double-doubles with a last axis. ``known`` are the samples
+    of a coarser grid.
     """
     (rows, columns), (down, across) = sizes, (1 + (rate.tilted and odd[0]), 1 + (rate.tilted and odd[1]))
     coarser = (0, 0) if known is None else (rows * down // known.shape[0], columns * across // known.shape[1])
@@ -128,7 +131,7 @@ def first_grid(noise: float, decay: tuple[float, float]) -> tuple[int, int]:
 
 
 def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, int], most: int) -> Found:
-    """The result on the first grid that is fine enough; ``sizes`` are those of the coarsest grid.
+    """The result of ``transformed`` on the first grid that is fine enough; ``sizes`` are those of the coarsest grid.
 
     PrecisionLoss if more than ``most`` samples are needed.
     """

@@ -36,12 +36,13 @@ class ClockSeries(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """t(τ): ``doubled`` are the periods of 1/g in turns.
+    """The relation between t and τ on one motion: t = (τ + S)·(mean dt/dτ), with S of :class:`ClockSeries`.
 
-    The series ``rough`` has the larger modes, ``series`` all, and ``quiet`` all but the largest. The pairs
-    (k, m) of the largest are ``modes``; ``loud`` has a constant, and the real and imaginary parts of their
-    coefficients. ``pace`` has mean rates: the turns of each phase per unit of t, then per unit of τ, then dτ/dt and
-    dt/dτ. ``inverse`` is that of :func:`integrable.torus.theta_series.circle`.
+    ``doubled`` are the periods of 1/g, in turns of the phases. Of the modes of S, the series ``rough`` has the larger
+    ones, ``series`` all, and ``quiet`` all but the largest. The pairs (k, m) of the largest are ``modes``; ``loud`` has
+    a constant, and the real and imaginary parts of their coefficients. ``pace`` has mean rates: the turns of each phase
+    per unit of t, then per unit of τ, then dτ/dt and dt/dτ. ``inverse`` is that of
+    :func:`integrable.torus.theta_series.circle`.
     """
 
     doubled: tuple[int, int]
@@ -80,8 +81,9 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
 def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Real]:
     """Both phases at a physical time t, in turns, modulo 2, and x = τ − t·(mean dτ/dt).
 
-    x is bounded and solves x + S = 0 at the phases (a + ν₁x, b + ν₂x), where (a, b) are those of the mean motion. It is
-    found first with the few largest modes, then with all modes in floats, and corrected where floats are not enough.
+    With S of :class:`ClockSeries`, x solves x + S = 0 at the phases (a + ν₁x, b + ν₂x), where (a, b) are the phases at
+    the mean value of τ. x is found first with the larger modes of S, then with all modes in floats, and corrected where
+    floats are not enough.
     """
     pace = clock.pace
     pace1, pace2, nu1, nu2 = pace[0], pace[1], pace[2], pace[3]
@@ -121,7 +123,7 @@ def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
 
 
 def loud_swing(clock: Clock, a: Real, b: Real) -> Real:
-    """A constant plus the sum of the largest modes of S at the phases (a, b)."""
+    """The constant and the largest modes of the series S of a :class:`Clock`, summed at the phases (a, b)."""
     modes, loud = clock.modes, clock.loud
     total = loud[0]
     for n in range(len(modes) // 2):
@@ -131,11 +133,11 @@ def loud_swing(clock: Clock, a: Real, b: Real) -> Real:
 
 
 def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
-    """The x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), by Newton's method from a first x, and the slope of x + S.
-    The error of x is about the bound of S times the square of ``near``.
+    """The x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), and the slope of x + S; S is the sum of ``series``.
 
-    x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the zero; then the bracket is
-    halved.
+    Newton's method starts from the given ``x``. The error of the result is about the bound of S times the square of
+    ``near``. x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the zero; then the
+    bracket is halved.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
     # near a resonance |S| may be many turns, but x + S varies on the scale of one turn
@@ -158,7 +160,9 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
 
 
 def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """(S, ``mean`` + dS/dτ) at the phases (a, b) in turns. ``room`` holds two floats for each m."""
+    """(S, ``mean`` + dS/dτ) of a :class:`ClockSeries` at the phases (a, b) in turns. ``room`` holds two floats for each
+    m.
+    """
     lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
     total = len(series.parts) // 4
     real, imaginary = series.parts[:total], series.parts[total : 2 * total]

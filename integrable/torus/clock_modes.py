@@ -161,8 +161,8 @@ def clock_series(
 def part_loud(
     values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int, int], tables: Tables, loud: Row
 ) -> tuple[int, float]:
-    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``; ``least`` is
-    doubled until these are at most MOST_LOUD. Returns their number, and the sum of the quiet modes at the start.
+    """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. ``least`` is
+    doubled until at most MOST_LOUD modes are moved. Returns their number, and the sum of the quiet modes at the start.
     """
     lines, parts, total, count = tables.lines, tables.quiet_parts, series[3], MOST_LOUD + 1
     for n in range(4 * total):
@@ -193,14 +193,18 @@ def part_loud(
 
 
 def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:
-    """The coefficient of S for the modes ±(k, m): that of 1/g, divided by the mode's rate and by the mean of 1/g."""
+    """The coefficient for the modes ±(k, m) of the S of :func:`clock_series`: the coefficient of 1/g, divided by the
+    mode's rate and by the mean of 1/g.
+    """
     n = 2 * (k * columns + (m if m >= 0 else m + columns))
     factor = 2 / (rates[3] * (k * rates[0] + m * rates[1]) * rates[2])
     return values[n + 1] * factor, -values[n] * factor
 
 
 def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables) -> tuple[int, float, float]:
-    """Returns (−1 or the place of a mode in resonance, Σ|coefficients of S|, the sum of the modes at the start).
+    """Computes the modes of the S of :func:`clock_series`.
+
+    Returns (−1 or the place of a mode in resonance, Σ|coefficients of S|, the sum of the modes at the start).
     ``tables.modes`` receives the coefficients of S and dS/dτ, four numbers for each mode, zeros for those dropped;
     ``tables.lines`` receives where the kept modes of each k ≥ 0 begin and end.
     """
@@ -244,7 +248,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
 def packed_modes(
     tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
 ) -> tuple[int, int, int, int]:
-    """Packs the modes left by :func:`swings` whose part of dS/dτ exceeds ``least``, in the layout of
+    """Packs those modes left by :func:`swings` whose coefficient of dS/dτ exceeds ``least``, in the layout of
     :class:`~integrable.torus.clock_loops.ClockSeries`. Returns the least m, and the numbers of m, rows and modes.
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes

@@ -39,7 +39,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 class TorusIntegral:
-    """∫_0^τ F dτ for F with mean 0.
+    """∫_0^τ F dτ for a function F of the state, with several parts, each of mean 0.
 
     F may change its sign if an odd number of the γ_i do, so its periods are those of :func:`periods_of`. ``least``,
     shape (m,), is the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_COMPILED points
@@ -70,7 +70,9 @@ class TorusIntegral:
         return together(self._series, *self._flow.phases(times, physical, self._doubled))
 
     def swings_and_rates(self, phases: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each part of F, its integral minus the mean rate times τ, and F, both at phases (N, 2) in turns."""
+        """For each part of the F of :class:`TorusIntegral`: its integral minus the mean rate times τ, and its value,
+        both at phases (N, 2) in turns.
+        """
         first, second = (phases / self._doubled).T
         return [series.swings_and_rates(first, second) for series in self._series]
 
@@ -81,9 +83,11 @@ def periods_of(flow: BodyTorus) -> tuple[int, int]:
 
 
 class ResolvedSamples(NamedTuple):
-    """Samples of F on a grid over :func:`periods_of` that resolves it, shape (rows, columns, m). For each of the m
-    parts of F, ``grids`` has the Fourier coefficients, and ``noises`` the fraction of the largest coefficient below
-    which the others are rounding errors.
+    """Samples of a function F of the state, on a grid over :func:`periods_of` that resolves F, shape (rows, columns,
+    m).
+
+    For each of the m parts of F, ``grids`` has the Fourier coefficients, and ``noises`` the fraction of the largest
+    coefficient below which the others are rounding errors.
     """
 
     values: np.ndarray
@@ -98,8 +102,8 @@ def resolved_samples(
     most: int,
     transform: Callable[[np.ndarray], np.ndarray] = spectrum,
 ) -> ResolvedSamples:
-    """The samples of F. ``noise`` maps the largest Fourier coefficients of the parts, shape (m,), to the fractions of
-    them that count as rounding. PrecisionLoss where more than ``most`` samples are needed.
+    """The samples of F = ``function``. ``noise`` maps the largest Fourier coefficients of the parts, shape (m,), to the
+    fractions of them that count as rounding. PrecisionLoss where more than ``most`` samples are needed.
     """
     doubled = periods_of(flow)
 
@@ -132,7 +136,8 @@ def resolved_samples(
 
 
 class LongIntegral:
-    """∫_0^τ F dτ in multiprecision for F with mean 0, to ``digits`` relative to its largest part.
+    """∫_0^τ F dτ in multiprecision for a function F with several parts, each of mean 0. The result has ``digits``
+    digits, relative to the largest part.
 
     F takes states of bare reals, and may change its sign if an odd number of the γ_i do. PrecisionLoss where the torus
     degenerates, or F needs too many samples.
@@ -182,7 +187,7 @@ class LongStates(BodyTorus):
 
     def __init__(self, setup: Setup, loops: ReadableLoops) -> None:
         super().__init__(setup, loops)
-        # (γ̃, w̃) by their phases; whole turns change only the signs
+        # (γ̃, w̃) of :func:`frame_at`, as found at a pair of phases; whole turns change only signs
         self._frames = dict[tuple[Real, Real], Row]()
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:

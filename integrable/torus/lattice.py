@@ -26,7 +26,7 @@ FAR = 1e30
 
 
 class RateCurve(NamedTuple):
-    """The attributes of a :class:`~integrable.moving_point.problem.Problem` from which the modes of a rate are made."""
+    """Attributes of a :class:`~integrable.moving_point.problem.Problem` from which Fourier modes of dt/dτ are made."""
 
     axes: tuple[Real, ...]
     ratio: Real
@@ -36,9 +36,10 @@ class RateCurve(NamedTuple):
 
 
 class Units(NamedTuple):
-    """The coordinates (ξ, η) of the curve of a torus: x = origin + length·ξ, y = length²·lift·η. In η² = f(ξ) the roots
-    are those of f in ξ, and r − d'ξ replaces the factor 1 − dx, (r, d') = (1 − d·origin, d·length)/lift². Length and
-    lift are powers of two, so nothing is rounded.
+    """The coordinates (ξ, η) of the curve of a torus: x = origin + length·ξ, y = length²·lift·η.
+
+    The curve in ξ and η has the factor r − d'ξ in place of 1 − dx, (r, d') = (1 − d·origin, d·length)/lift². Length and
+    lift are powers of two, so multiplication by them does not round.
     """
 
     origin: Real = 0
@@ -71,13 +72,13 @@ class Units(NamedTuple):
 
 
 def _near_power(x: float) -> float:
-    """The unit of a length or a lift x."""
+    """The power of two in which a length or a lift of size x is counted (CLOSE)."""
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
 def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
-    d' (called d elsewhere), π, r and origin/length, in :class:`Units`.
+    d' (called d there), π, r and origin/length, in the coordinates of :class:`Units`.
 
     PrecisionLoss where the torus is not compact.
     """
@@ -90,8 +91,9 @@ def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]
 
 
 def with_open_ovals(problem: Problem, closest: Real) -> Problem:
-    """The motion with ovals of at least the length ``closest``, relative to the largest difference of the α_i. This
-    changes states by about √``closest``. An oval is a point if two α_i are equal, and for a rotation about an axis.
+    """The motion with ovals of at least the length ``closest``, relative to the largest difference of the branch points
+    α_i = a_i/max a. This changes states by about √``closest``. An oval is a point if two α_i are equal, and for a
+    rotation about an axis.
     """
     axes, zeta = list(problem.axes[:3]), problem.ratio
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
@@ -105,7 +107,9 @@ def with_open_ovals(problem: Problem, closest: Real) -> Problem:
 
 
 def best_origin(problem: Problem) -> Real:
-    """The origin, 0 or one of the α_i, that keeps the most digits of the distances between branch points."""
+    """The origin, 0 or one of the roots α_i = a_i/max a of f, that keeps the most digits of the distances between
+    branch points.
+    """
     points = problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 
@@ -117,7 +121,8 @@ def best_origin(problem: Problem) -> Real:
 
 
 def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Real], tuple[Real, Real]]:
-    """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which u1 and u2 move, ζ = h1/(h2·max a).
+    """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which the roots u1 and u2 of U move. Here α_i =
+    a_i/max a and ζ = h1/(h2·max a).
 
     PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line
     on a compact torus of dimension two.
@@ -132,9 +137,10 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
 class Beginning(NamedTuple):
     """The data from which a torus is made, as rows of the numbers with which its loops compute.
 
-    ``motion`` is a :func:`motion_row` in ``units``, ``tilt`` is (α, β) of the tilt term of 1/g. ``start`` is the start
-    in these units. ``problem`` is a :func:`~integrable.moving_point.problem.problem_row` in the set-up's units; only
-    the entries from TIME_SCALE on are needed. ``smallest``: see :class:`integrable.torus.lifts.Limits`.
+    ``motion`` is a :func:`motion_row` in ``units``. ``tilt`` is (α, β) of
+    :func:`integrable.moving_point.addition.rate_at`. ``start`` is the start in these units. ``problem`` is a
+    :func:`~integrable.moving_point.problem.problem_row` in the set-up's units; only the entries from TIME_SCALE on are
+    needed. ``smallest``: see :class:`integrable.torus.lifts.Limits`.
     """
 
     units: Units

@@ -1,6 +1,6 @@
 """Square roots of |U| at branch points on a real torus of genus 2, by theta functions; on bare reals, compiled or
-interpreted. The same functions find the phases of the start, check a torus, and compute dt/dτ on a grid, for bodies and
-for Mumford's pairs on other curves.
+interpreted. Further functions find the phases of the start, check a torus, and compute dt/dτ on a grid. All serve
+bodies and Mumford's pairs on other curves.
 
 Let σ = √|U(e)| at a branch point e, and ν = −2∂σ with the derivative ∂ along (0, 1). Then σ ∝ θ_e/θ_∞ (Thomae; Mumford
 1984). A body has three such points, and its lifts (γ̃_i, w̃_i) are normalized by γ̃² = w̃² = 1 instead, without θ_∞.
@@ -49,7 +49,9 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) at phases in turns since the start. They must be below 2, because larger phases would lose digits."""
+    """(γ̃, w̃) of :mod:`integrable.torus.states` at phases in turns since the start. The phases must be below 2,
+    because larger ones would lose digits.
+    """
     sums, places = torus.sums, torus.places
     one, two = circle((first + places[0]) / 2, sums.inverse), circle((second + places[1]) / 2, sums.inverse)
     x, p = theta(sums, 0, one, two)
@@ -59,7 +61,7 @@ def frame_at(torus: Torus, first: Real, second: Real) -> Row:
 
 
 def frame_from(factors: Row, values: Row, slopes: Row) -> Row:
-    """(γ̃, w̃) from the theta functions and their derivatives."""
+    """(γ̃, w̃) of :mod:`integrable.torus.states`, from the theta functions and their derivatives."""
     a, b, c = factors[0], factors[1], factors[2]
     x, y, z = a * values[0], b * values[1], c * values[2]
     p, q, s = a * slopes[0], b * slopes[1], c * slopes[2]
@@ -98,8 +100,9 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 class Limits(NamedTuple):
     """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
-    the step of its difference quotients, in turns. Lifts below the fraction ``smallest`` of the largest come from the
-    length that was given to an oval that is a point; ``smallest`` is 0 if no oval is a point.
+    the step of its difference quotients, in turns. If an oval is a double root, its two roots are moved slightly apart,
+    which adds to the lifts of the start. Lifts below the fraction ``smallest`` of the largest may consist of this
+    addition alone; ``smallest`` is 0 if no oval is a double root.
     """
 
     enough: float
@@ -196,7 +199,9 @@ def newton_step(target: Row, weights: Row, nudge: float, room: Row) -> tuple[flo
 
 
 def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
-    """Writes the lifts at CHECKED points, each followed by those one and two steps ahead and behind on the motion."""
+    """Writes the lifts at CHECKED points of the torus. After the lifts at a point come the lifts one and two steps
+    ahead and behind on the motion.
+    """
     nu1, nu2, wide = frequencies[0], frequencies[1], 2 * len(torus.factors)
     step = STEP / max(abs(float(nu1)), abs(float(nu2)))
     for n in abreast(0, CHECKED):
@@ -241,7 +246,8 @@ class RateSums(NamedTuple):
     of theta functions from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞. ``numbers`` are a_n
     and b_n of three classes, then s.
 
-    If the body is ``tilted``, Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends with the c_i.
+    If the body is ``tilted``, the tilt term Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends
+    with the c_i.
     """
 
     first: int

@@ -118,8 +118,8 @@ class LongClock:
     def _refined(
         self, starts: list[Real], angles: list[tuple[Real, Real]], shifts: list[Real], rates: list[float]
     ) -> list[Real]:
-        """The shifts after Newton's method in multiprecision. Each step but the last uses only the digits it can
-        gain.
+        """The oscillations of :meth:`_shifts` after Newton's method in multiprecision. Each step but the last uses only
+        the digits it can gain.
         """
         nu1, nu2 = self.frequencies
         left, goal, gain = list(range(len(shifts))), FIRST_GOAL, SLOW_GAIN if self._slow else GAIN

@@ -49,23 +49,23 @@ class ReadableLoops:
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
         self.reals = setup.reals
         bits = self.reals.bits
-        # the arithmetic-geometric mean converges quadratically: ovals of this length need no further step
+        # the iterations for periods converge quadratically: they end at ovals, or differences of means, of this size
         self.short = float(setup.wide.eps) ** 0.5 / 16
         # the size of rounding errors in 1/g, at which its Fourier series ends
         self.noise = 10.0**-digits
         self.depth, self.nudge = bits * log(2) / pi, 2.0 ** -(2 * bits // 5)
-        # ovals that are points are opened to this length, relative to the largest difference of the α_i
+        # ovals that are points are opened to this length, relative to the largest difference of the branch points α_i
         self.closest = 2.0 ** (16 - bits)
         self.circle = theta_series.circle_numbers(self.reals, bits)
 
     def packed(self, value: Any) -> Any:
-        """A NamedTuple for the loops, with lists for arrays, which interpreted loops read faster."""
+        """The NamedTuple ``value`` with lists in place of arrays, because interpreted loops read lists faster."""
         if hasattr(value, "_fields"):
             return type(value)(*map(self.packed, value))
         return value.tolist() if isinstance(value, np.ndarray) else value
 
     def row(self, values: Iterable[Real]) -> Row:
-        """A row of working numbers from numbers of any kind."""
+        """A row of ``values``, numbers of any kind, converted to the precision of the loops."""
         return list(self.reals.row(values))
 
     def integers(self, values: Iterable[int]) -> Row:
@@ -88,19 +88,19 @@ class ReadableLoops:
         return [self.reals.number(0)] * count
 
     def wide(self, values: Row, field: MultiprecisionField) -> tuple[Real, ...]:
-        """Working numbers converted to a wide field."""
+        """The numbers of a row, in the precision of the loops, as elements of a wide ``field``."""
         return self.reals.elements(field, values)
 
     def floats(self, values: Row) -> np.ndarray:
-        """Working numbers rounded to floats, shape (N,)."""
+        """The numbers of a row, in the precision of the loops, rounded to floats, shape (N,)."""
         return np.array([float(x) for x in values])
 
     def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
-        """Working numbers on a grid."""
+        """The numbers of a row as an array, whose rows and columns are ``sizes``."""
         return np.array(values, dtype=object).reshape(sizes)
 
     def __getattr__(self, name: str) -> Any:
-        """The loop of this name in the precision of these numbers."""
+        """The interpreted loop ``name``, which computes in the precision of the set-up."""
         if name not in LOOPS:
             raise AttributeError(f"torus loops have no {name}; they have {', '.join(LOOPS)}")
         (loop, _), read = LOOPS[name], READ.get(name, ())
@@ -202,7 +202,8 @@ def in_basis(classes: Sequence[Whole], basis: PeriodBasis) -> list[Whole]:
 def theta_sums(
     loops: Loops, shape: Row, real: Sequence[int], chars: Sequence[Whole], further: float = 0.0
 ) -> tuple[ThetaSums, Row]:
-    """The weights of the characteristics ``chars``, and the largest term of each class, by which they are divided.
+    """The coefficients of the theta series with the characteristics ``chars``, and the largest term of each series, by
+    which its coefficients are divided.
 
     ``shape`` is that of :func:`theta_weights`; ``real`` are 2Re τ₁₁, 2Re τ₁₂, 2Re τ₂₂; ``further`` is added to
     ``loops.depth``.

@@ -6,8 +6,8 @@ The phases of a divisor are the sums of the phases of its two points, the invari
 
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
-P over the first oval and Q over the second. The tilt term of a tilted body's 1/g is treated alike: with A(u) = Π(α_i −
-u) and R = ±√|A|, analytic along the oval,
+P over the first oval and Q over the second. 1/g of a tilted body has one more term, the *tilt term*, a multiple of the
+next sum. It is treated alike: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
@@ -52,7 +52,8 @@ class Modes(NamedTuple):
     """The modes of the real sum Σ c·e^(2πi(kθ₁ + mθ₂)): ``rows[k]`` has c for m = −most, …, most, in balls, for k ≥ 0
     only.
 
-    Phases count from the start, in turns of ``doubled`` periods; ``frequencies`` are the turns of these per unit of the
+    The function has the periods ``doubled``, each 1 or 2, in units of the divisor's periods. θ₁ and θ₂ count from the
+    start, in turns of these periods of the function. ``frequencies`` are the turns of θ₁ and θ₂ per unit of the
     set-up's τ. ``frequencies`` and ``mean`` are wide.
     """
 
@@ -106,7 +107,9 @@ def modes_of_rate(
 
 
 class FoundModes(NamedTuple):
-    """Tables of modes, of this ``size``: ``upright`` of 1/g without its tilt term, ``leaning`` of the tilt term."""
+    """Tables of modes, of this ``size``. ``leaning`` has those of the tilt term of 1/g
+    (:mod:`integrable.torus.oval_modes`), ``upright`` those of the rest of 1/g.
+    """
 
     size: tuple[int, int]
     upright: Table
@@ -149,7 +152,9 @@ class FoundModes(NamedTuple):
 
 
 def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: float) -> FoundModes:
-    """The tables of a torus to this many digits, starting from a first size."""
+    """The tables of the modes of 1/g down to 10^(−digits) of its mean. The number of modes is
+    ``size`` at first, and is enlarged until the last modes are that small.
+    """
     while True:
         torus.use(size, most_work)
         found = FoundModes(size, torus.upright(), torus.leaning())
@@ -202,7 +207,7 @@ class OvalTorus:
         return middle + self.flint.arb(0, abs(middle) * self.flint.arb(2) ** -self._setup.wide.context.prec)
 
     def phases(self, first: arb, second: arb) -> tuple[arb, arb]:
-        """(θ₁, θ₂) of (∫dx/y, ∫x dx/y)."""
+        """The phases (θ₁, θ₂), in turns, from the integrals ``first`` of dx/y and ``second`` of x dx/y."""
         (a0, a1), (b0, b1) = (oval.period for oval in self.ovals)
         return (first * b1 - second * b0) / self.area, (second * a0 - first * a1) / self.area
 
@@ -259,7 +264,9 @@ class OvalTorus:
         self._size = size
 
     def upright(self) -> Table:
-        """The coefficients of 1/g without its tilt term and without the phase factor of the start."""
+        """The Fourier coefficients of 1/g without its tilt term (:mod:`integrable.torus.oval_modes`). Phases count from
+        ends of the ovals, not from the start.
+        """
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
@@ -274,7 +281,9 @@ class OvalTorus:
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
     def leaning(self) -> Table | None:
-        """The tilt term's coefficients, at k + ½ or m + ½, without the phase factor of the start; None if upright."""
+        """The Fourier coefficients of the tilt term of 1/g (:mod:`integrable.torus.oval_modes`), at k + ½ or m + ½;
+        None for an upright body. Phases count from ends of the ovals, not from the start.
+        """
         if self.axes[7].mid() == 0:
             return None
         half = (1, 0) if self.low else (0, 1)

@@ -23,8 +23,8 @@ LARGEST_DECAY = 40.0
 
 
 class OvalPair(Protocol):
-    """The data of both ovals that an :class:`Oval` uses: d, whether ζ is below the middle α_i (``low``), and the phases
-    that belong to integrals.
+    """The data of both ovals that an :class:`Oval` uses. ``low`` says whether ζ is below the middle α_i; both are
+    branch points (:mod:`integrable.torus.states`).
     """
 
     flint: ModuleType
@@ -34,7 +34,7 @@ class OvalPair(Protocol):
     digits: int
 
     def phases(self, first: arb, second: arb) -> tuple[arb, arb]:
-        """(θ₁, θ₂) of (∫dx/y, ∫x dx/y)."""
+        """The phases (θ₁, θ₂), in turns, from the integrals ``first`` of dx/y and ``second`` of x dx/y."""
 
 
 class Part(NamedTuple):
@@ -84,7 +84,7 @@ class Oval:
         self._integrate(ceil((pair.digits + 4) * log(10) / self.decay) + 2)
 
     def _integrate(self, count: int) -> None:
-        """The cosine series of 1/Y and u/Y, to ``count`` terms."""
+        """Computes the periods and the cosine series, to ``count`` terms, of 1/Y and u/Y with Y of :class:`Node`."""
         arb, mat = self.flint.arb, self.flint.arb_mat
         self.harmonics = count
         waves = [(arb(i) / count).cos_pi() for i in range(2 * count)]
@@ -121,7 +121,7 @@ class Oval:
         return Node(*self._placed(x), (self._mean[0] * angle + rest[0], self._mean[1] * angle + rest[1]))
 
     def _placed(self, x: arb) -> tuple[arb, arb, arb, arb, arb]:
-        """A node without its integrals."""
+        """The fields of a :class:`Node` at φ = πx, without the integrals ``sums``."""
         (a, b), others = self._ends, self._others
         below, above = self._squares(x)
         length = b - a
@@ -148,7 +148,9 @@ class Oval:
         return (t3 * one / (t2 * four)) ** 2, (t4 * two / (t2 * four)) ** 2
 
     def angle(self, u: arb, y: arb) -> tuple[arb, float]:
-        """φ/π of a point, in (−1, 1], and an estimate of its error, which is 1 if the oval has shrunk to a point."""
+        """φ/π of the point (u, y), in (−1, 1], with φ of :class:`Oval`, and an estimate of the error of φ/π. The
+        estimate is 1 if the oval has shrunk to a point.
+        """
         (a, b), others, arb = self._ends, self._others, self.flint.arb
         length = b - a
         if self._nome is None:
@@ -201,21 +203,25 @@ class Oval:
         return max(map(exponent, totals)) - exponent(size0)
 
     def moments(self) -> list[Part]:
-        """1/(Y√(1 − du)) and u/(Y√(1 − du))."""
+        """The integrands 1/(Y√(1 − du)) and u/(Y√(1 − du)) with Y of :class:`Node`."""
         values = [node.light * node.slow for node in self.nodes]
         return [Part(values, True), Part([node.u * x for node, x in zip(self.nodes, values, strict=True)], True)]
 
     @property
     def _at_end(self) -> bool:
-        """Whether R vanishes at b only, as on a second oval that begins at ζ and not at an α_i."""
+        """Whether the root R of :mod:`integrable.torus.oval_modes` vanishes at the end b only. So it does on a second
+        oval that begins at ζ and not at an α_i.
+        """
         return not (self._first or self._low)
 
     def sign(self, angle: arb) -> int:
-        """The sign of R at an angle."""
+        """The sign of the root R of :mod:`integrable.torus.oval_modes` at a point, whose φ/π is ``angle``."""
         return 1 if self._at_end or angle.mid() > 0 else -1
 
     def roots(self) -> list[Part]:
-        """y/R and R, both divided by Y√(1 − du)."""
+        """The integrands y/R and R, both divided by Y√(1 − du), with Y of :class:`Node` and R of
+        :mod:`integrable.torus.oval_modes`.
+        """
         others, first, second = self._others, [], []
         for u, below, above, light, slow, _ in self.nodes:
             if self._first == self._low:

@@ -49,11 +49,12 @@ class PairTorus(NamedTuple):
 def oval_data(
     given: Row, rule: Row, near: float, room: Row, motion: Row, found: Row, out: Row
 ) -> tuple[int, int, int, int]:
-    """Fills a ``motion`` row and ``found`` as :func:`integrable.torus.theta_setup.torus_periods` does, and ``out``.
-    Returns the basis of periods.
+    """Fills ``motion``, the argument of :func:`integrable.torus.theta_setup.torus_periods`, and ``found``, its result,
+    and ``out``. Returns the basis of periods.
 
-    ``given`` are the five branch points, ascending, ℓ > 0, π, u₀, u₁, v₀, v₁, and the direction. ``out`` gets the
-    phases at the start, to the accuracy of ``rule``, the frequencies, and the turns of both phases along (1, e₅).
+    ``given`` are the five branch points, ascending, the leading coefficient ℓ > 0 of f, π, the pair u₀, u₁, v₀, v₁ at
+    the start, and the direction of the motion. ``out`` gets the phases at the start, to the accuracy of ``rule``, the
+    frequencies, and the turns of both phases along (1, e₅).
     """
     zero, lead = 0 * given[0], given[5]
     for i in range(4):
@@ -101,7 +102,7 @@ def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
 
 
 def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real, Real, Real, Real]:
-    """The pair in x = E − 1/X from the pair (p, s), (y, slope) in X; E is ``pole``."""
+    """Mumford's pair in the coordinate x = E − 1/X from the pair U = X² + sX + p, V = slope·X + y; E is ``pole``."""
     for _ in range(3):
         # V is divided by X: modulo U = X² + sX + p, 1/X = −(X + s)/p
         y, slope = slope - s * y / p, -y / p
@@ -149,8 +150,8 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
 def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> None:
     """Writes to out[0] the mean over the torus of σ² at branch point k, where e = ``ends[k]`` is beyond both ovals.
 
-    ℓσ²/4 − ∂∂'log θ_∞ is constant, ∂' along (1, e), and ∂∂'log θ_∞ has mean 0. ``along`` are the turns of both phases
-    along (0, 1), ``beyond`` those along (1, e).
+    With the derivatives ∂ along (0, 1) and ∂' along (1, e), ℓσ²/4 − ∂∂'log θ_∞ is constant, and ∂∂'log θ_∞ has mean 0.
+    ``along`` are the turns of both phases along (0, 1), ``beyond`` those along (1, e).
     """
     lifts_at(torus.torus, 0 * along[0], 0 * along[0], k + 1, out, 0)
     bend = curvature(torus.torus.sums, torus.torus.places, along, beyond)

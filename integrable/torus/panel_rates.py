@@ -120,7 +120,7 @@ class Scouts:
         return sizes
 
     def _rule(self, length: int) -> tuple[LegendreSeries, list[Row]]:
-        """The series on a panel, and the translations to its nodes."""
+        """The Legendre series on a panel of ``length`` basic steps, and the translations to the panel's nodes."""
         if length not in self._rules:
             problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
             translations = Translations(reals, problem.f, problem.axes, problem.half_step)

@@ -32,7 +32,7 @@ States = Callable[[np.ndarray], np.ndarray]
 
 
 class Panels:
-    """Values of ``states`` (times of shape (N,) to rows of shape (N, width)) between two times.
+    """Values, between two times, of a function ``states`` that maps times of shape (N,) to rows of shape (N, width).
 
     ``length`` is the first length of a panel; panels whose series has not converged are halved. A series has converged
     if its last coefficients are below ``tolerance`` times the largest of their column, or below ``least``, the size of
@@ -97,7 +97,9 @@ def panel_length(states: States, least: float) -> float:
 
 
 def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Chebyshev coefficients, shape (panels, NODES, width)."""
+    """The Chebyshev coefficients of ``states`` on panels with these middles and half-lengths, shape (panels, NODES,
+    width).
+    """
     nodes, matrix, slopes = _rule()
     offsets = half[:, None] * nodes
     times = middle[:, None] + offsets

@@ -34,8 +34,8 @@ ROUNDED, SPARE_BITS = 1e-15, 40
 
 
 class TorusSeries:
-    """The function S of an F with the :func:`spectrum` ``grid``, with S = 0 at the phases (0, 0). ``frequencies`` are
-    the turns of both phases per unit of τ, as wide numbers.
+    """The function S on a torus with dS/dτ = F − (mean of F), and S = 0 at the phases (0, 0). ``grid`` is the
+    :func:`spectrum` of F. ``frequencies`` are the turns of both phases per unit of τ, as wide numbers.
 
     Coefficients of F below ``noise`` times the largest are left out. PrecisionLoss where a mode (k, m) of F above
     ``rounding`` times the largest is in resonance: kν₁ + mν₂ = 0.
@@ -77,11 +77,13 @@ class TorusSeries:
         return turns
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """S at arrays of phases, in turns."""
+        """The function S of :class:`TorusSeries` at arrays of phases, in turns."""
         return self._sums(first, second, self._swing)[0] - self.origin
 
     def on_grid(self, sizes: tuple[int, int]) -> np.ndarray:
-        """S at the phases (i/rows, j/columns), an array of shape ``sizes`` = (rows, columns)."""
+        """The function S of :class:`TorusSeries` at the phases (i/rows, j/columns), an array of shape ``sizes`` =
+        (rows, columns).
+        """
         rows, columns = self._swing.shape
         left = np.exp(2j * pi / sizes[0] * (np.outer(np.arange(sizes[0]), np.arange(rows)) % sizes[0]))
         right = np.exp(
@@ -91,7 +93,7 @@ class TorusSeries:
         return values
 
     def swings_and_rates(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """S and F at arrays of phases."""
+        """The functions S and F of :class:`TorusSeries` at arrays of phases, in turns."""
         swing, slope = self._sums(first, second, self._swing, np.where(self._kept, self._slope, 0))
         return swing - self.origin, self.mean + slope
 
@@ -110,7 +112,7 @@ class TorusSeries:
 
 
 def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """S of several series of one grid at arrays of phases, in turns: shape (N, m)."""
+    """The functions S of m :class:`TorusSeries`, all on the same grid, at arrays of phases in turns: shape (N, m)."""
     tables = np.array([x._swing for x in series])
     used = np.abs(tables).max(axis=0) > 0
     rows, columns = np.flatnonzero(used.any(axis=1)), np.flatnonzero(used.any(axis=0))
@@ -133,9 +135,10 @@ class SeriesLevel(NamedTuple):
 
 
 class LongSeries:
-    """The function S in many digits, at many points at once; ``rough`` is the series in floats.
+    """The function S of a :class:`TorusSeries` in many digits, at many points at once; ``rough`` is the series in
+    floats.
 
-    ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
+    ``rows[k]`` are the modes of its F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
     ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
@@ -173,8 +176,8 @@ class LongSeries:
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Real, Real]], digits: int | None = None) -> list[Real]:
-        """S at pairs of phases in turns; phases and results are numbers of the field. With ``digits``, S has only that
-        many digits relative to the size of F.
+        """The function S of :class:`TorusSeries` at pairs of phases in turns; phases and results are numbers of the
+        field. With ``digits``, S has only that many digits relative to the size of F.
         """
         if digits not in self._levels:
             self._levels[digits] = self._level(digits)
@@ -268,7 +271,7 @@ def circle_of(count: int) -> np.ndarray:
 
 def fourier(values: np.ndarray, circle: np.ndarray) -> np.ndarray:
     """The transform Σ_j x_j·e^(−2πijk/n) along the first axis of n rows x_j of long numbers (Cooley & Tukey 1965).
-    ``circle`` is :func:`circle_of` a multiple of n.
+    ``circle`` is the result of :func:`circle_of` for a multiple of n.
     """
     n, stride = len(values), len(circle) // len(values)
     if n % 2 or n <= SHORT:

@@ -22,7 +22,7 @@ from jacobian.numbers.roots import root
 
 class BodyStates(NamedTuple):
     """The data from which states are computed: the torus, and a ``matrix`` (p, q, r, s) with γ = pγ̃ + q·w̃×γ̃ and
-    M = rγ̃ + s·w̃×γ̃.
+    M = rγ̃ + s·w̃×γ̃. The vectors γ̃ and w̃ are defined in :mod:`integrable.torus.states`.
     """
 
     torus: Torus
@@ -30,7 +30,7 @@ class BodyStates(NamedTuple):
 
 
 def third_of(frame: Row) -> tuple[Real, Real, Real]:
-    """M̃/|M̃| = w̃ × γ̃."""
+    """M̃/|M̃| = w̃ × γ̃ from the ``frame`` (γ̃, w̃)."""
     x, y, z, p, q, s = frame
     return q * z - s * y, s * x - p * z, p * y - q * x
 
@@ -93,7 +93,7 @@ def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row
         u, v, w = third_of((x, y, z, p, q, s))
         dx, dy, dz, du, dv, dw = velocity(motion, (x, y, z, p, q, s))
         right[to], right[to + 2], right[to + 4] = dx, dy, dz
-        # w̃ = γ̃ × M̃/|M̃|
+        # the derivative of w̃ = γ̃ × M̃/|M̃|
         right[to + 1] = dy * w - dz * v + y * dw - z * dv
         right[to + 3] = dz * u - dx * w + z * du - x * dw
         right[to + 5] = dx * v - dy * u + x * dv - y * du

@@ -164,7 +164,8 @@ def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int
     _, rows, columns = sums.sizes
     a, e2 = sums.chars[4 * k] + 2 * i, sums.chars[4 * k + 1]
     mixed = lattice.bases[2] if sign > 0 else lattice.bases[3]
-    # |m| grows by 2 from column to column: ``step`` is the ratio of the next term to this one, ``more`` that of steps
+    # |m| grows by 2 from column to column: ``step`` is the ratio of the next term to the present one,
+    # ``more`` the ratio of the next step to the present one
     w, step = term(lattice, a, sign * e2) / top, raised(lattice.bases[1], 4 * e2 + 4) * raised(mixed, 2 * a)
     more = raised(lattice.bases[1], 8)
     for j in range(columns):
