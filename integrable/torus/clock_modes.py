@@ -202,11 +202,9 @@ def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Rea
 
 
 def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables) -> tuple[int, float, float]:
-    """Computes the modes of the S of :func:`clock_series`.
-
-    Returns (−1 or the place of a mode in resonance, Σ|coefficients of S|, the sum of the modes at the start).
-    ``tables.modes`` receives the coefficients of S and dS/dτ, four numbers for each mode, zeros for those dropped;
-    ``tables.lines`` receives where the kept modes of each k ≥ 0 begin and end.
+    """Computes the modes of the S of :func:`clock_series`. Returns (−1 or the place of a mode in resonance,
+    Σ|coefficients of S|, the sum of the modes at the start). ``tables.modes`` receives four coefficients of S and dS/dτ
+    for each mode, zeros for those dropped; ``tables.lines`` receives where the kept modes of each k begin and end.
     """
     (rows, columns), modes, lines = grid, tables.modes, tables.lines
     half, bound, total, largest = columns // 2, 0.0, 0.0, 0.0

@@ -118,11 +118,9 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
 def second_polynomial(
     f: Six, b0: Real, b1: Real, p: Four, q: Real, l0: Real, first: Four, second: Four
 ) -> tuple[Real, Real]:
-    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W modulo U'' = x² + b1·x + b0.
-
-    The second congruence holds for each summand (U, V), with W = (f − V²)/U and L = (p − q·V)/U.
-
-    The solutions are averaged as in :func:`chord`. If all are ill-conditioned, :func:`tangent_polynomial` computes V''.
+    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W modulo U'' = x² + b1·x + b0, with W = (f − V²)/U and
+    L = (p − q·V)/U for each summand (U, V). The solutions are averaged as in :func:`chord`. If all are ill-conditioned,
+    :func:`tangent_polynomial` computes V''.
     """
     f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
     u0, u1, v0, v1 = first
