@@ -215,7 +215,7 @@ def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.
 
 
 def packed(carrier: CurvesCarrier) -> PackedCurves:
-    """The data of a carrier in double-doubles.
+    """The data of a motion on two curves (:class:`CurvesCarrier`) in double-doubles.
 
     ArgumentError for numbers beyond the range of floats, PrecisionLoss near a separatrix.
     """

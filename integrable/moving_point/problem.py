@@ -159,8 +159,8 @@ def made_upright(
 
 
 def put_curve(given: Row, a: Vector[Real], body: Contact, gamma: Vector[Real], M: Vector[Real], out: Row) -> Real:
-    """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i = a_i/X and κ_i to
-    ``out``. Returns the ratio H1/(H2·X). X is the largest a_i.
+    """Writes the coefficients of f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, then α_i = a_i/X, to
+    ``out``, and the κ_i of the lifts, κ_iσ_i² = U(α_i). Returns the ratio H1/(H2·X). X is the largest a_i.
     """
     contact, d = body
     h1, h2 = energies(a, contact, d, gamma, M)

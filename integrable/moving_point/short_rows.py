@@ -34,8 +34,8 @@ POINTS = LEVELS + 1
 # of ``ahead`` are the centres of the motion, those of the shadow, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
-# rows of wide translations: row HALF has the translation by half a panel h, the rows before it those by h/2^l, and
-# the rows from PANEL on those by 1 … AHEAD panels
+# rows of wide translations: row HALF has the translation by h, half the length of a panel. Row HALF − l has that by
+# h/2^l, and the rows from PANEL on those by 1 … AHEAD panels
 HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
 # SUMS gives the positive nodes of a panel, one addition for each. Among the first LOT nodes (a, b) means 2^−a + 2^−b,
 # or 2^−a − 2^−|b| where b < 0; for the later nodes the a-th node takes the place of 2^−a. So the first LOT nodes, and

@@ -60,8 +60,8 @@ from jacobian.periods.real_basis import (
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
 # the gap of a model is the least distance of neighbouring branch points, relative to their distance from the origin.
-# Periods are computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. Below CLOSEST pairs on
-# a model of even degree may lose digits
+# Periods are computed in double-doubles if it is larger than CLOSE, or if t is not linear in τ. If it is
+# smaller than CLOSEST, pairs on a model of even degree may lose digits
 CLOSE, CLOSEST = 2.0**-10, 2.0**-16
 # phases in double-doubles keep enough digits up to MOST_TURNS turns, or up to MOST_TURNS·CLOSE_TURNS·gap if this is
 # less

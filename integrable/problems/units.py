@@ -29,7 +29,7 @@ class Unit(NamedTuple):
         return sum(x * y for x, y in zip(self.dual(constants, q), q, strict=True))
 
     def along(self, constants: Sequence[Any], q: Sequence[Any], p: Sequence[Any]) -> Any:
-        """The scalar product that must be 0 if ``normal``: of p with q, or if weighted with q/a."""
+        """The scalar product of p with :meth:`dual`, which must be 0 if ``normal``."""
         return sum(x * y for x, y in zip(self.dual(constants, q), p, strict=True))
 
     def dual(self, constants: Sequence[Any], q: Sequence[Any]) -> list[Any]:

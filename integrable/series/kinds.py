@@ -160,7 +160,8 @@ class Kind:
     def _in_order(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near | None:
         """The states at times of one sign in ascending size; None for times in another order.
 
-        Each of the bounds (``tiers``) in ``plan`` is tried at those times that the bounds before it have not reached.
+        ``plan`` has several bounds on the terms of the series, from coarse to fine (``tiers`` of :class:`Steps`). A
+        walk with each of them is tried for those times whose states are not known from the walks before.
         """
         parts, left = list[Near](), None
         for steps in plan:

@@ -42,7 +42,7 @@ def key_of(x: Any) -> Key:
 
 
 class SymbolField(InexactField):
-    """The field over which the formulas of a kind are recorded: floats, symbols, and recorded numbers."""
+    """The field over which the formulas of a kind of systems are recorded: floats, symbols, and recorded numbers."""
 
     name = "symbols"
     zero, one, eps = 0.0, 1.0, 2.0**-53

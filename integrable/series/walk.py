@@ -477,7 +477,11 @@ def mark_of(outputs: Outputs, row: int, farthest: float) -> float:
 
 
 def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, outputs: Outputs) -> None:
-    """Copies the next ``fitting`` states of a walk, which :func:`dense` has written to ``ahead``, from ``row`` on."""
+    """Copies ``fitting`` states of a walk from ``ahead``, where :func:`dense` has written them, to ``outputs``.
+
+    The first walk's states go to the rows of ``found`` from ``row`` on. Both walks' states at marked rows, the only
+    ones that the second walk computes, go to ``both``.
+    """
     width, second = layout.parts * layout.half, lane % WALKS
     for i in range(fitting):
         while second > 0 and outputs.marks[row] == 0:
@@ -543,8 +547,8 @@ def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[
     return off, widest
 
 
-# --- these functions are replaced by instructions when the loop is compiled: calls of the straight-line code of a kind,
-# and approximate logarithms from the bits of a float
+# --- these functions are replaced by instructions when the loop is compiled: calls of the straight-line code of a
+# kind of systems, and approximate logarithms from the bits of a float
 
 
 def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> None:

@@ -96,7 +96,7 @@ def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
 
 def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
     result, found = flow_run(task, tick)
-    del result["first"]  # it is about the sum of "machine" and "total"
+    del result["first"]  # this time is nearly the sum of "machine" and "total"
     return result | _truth_of(task, kept).judge(found.gamma, found.M)
 
 

@@ -241,7 +241,8 @@ def _work(connection: Connection) -> None:
     end_with_parent()
     warnings.simplefilter("ignore", NoCacheWarning)  # the parent has printed this warning
     warnings.simplefilter("ignore", RuntimeWarning)  # a comparator's values may overflow; its row says so
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows only this keeps Ctrl-C from the process
+    # where there is no setpgid, as on Windows, Ctrl-C would end the process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     used: set[tuple[str, str]] = set()

@@ -1,4 +1,4 @@
-"""The truth of a scene: its motion at more digits than any row, checked by another integrator.
+"""The truth of a scene: its motion with more digits than any method of the report uses, checked by another integrator.
 
 The truth is stored as decimal strings. :class:`Truth` reads it and measures the errors of other tasks' states.
 """

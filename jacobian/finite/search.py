@@ -305,7 +305,7 @@ def _with_classes(C: HyperellipticCurve, rng: Random) -> HyperellipticCurve:
         return C
     K, g = C.field, C.genus
     x = C.random_point(rng).x
-    # x → x + 1/x', y → y'/x'^(g+1)
+    # the new coordinates X, Y have x = x₀ + 1/X and y = Y/X^(g+1), x₀ the abscissa of a random point
     f, h = poly.shift(K, C.f, x), poly.shift(K, C.h, x)
     f, h = (*f, *[K.zero] * (2 * g + 3 - len(f))), (*h, *[K.zero] * (g + 2 - len(h)))
     return HyperellipticCurve(K, f[::-1], h[::-1])

@@ -39,8 +39,8 @@ def weight_of(genus: int, degree: int, lean: int) -> int:
 
 
 def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
-    """The reduced pair of the class of ``total``, deg u ≤ g + 1, and the largest remainder of a division on the way,
-    relative to its terms. These remainders would be 0 without rounding.
+    """The reduced pair of the class of ``total``, whose u has a degree ≤ g + 1, and the largest remainder of a division
+    on the way, relative to its terms. These remainders would be 0 without rounding.
     """
     u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
     plus = principal_part(genus, f, infinity.plus)

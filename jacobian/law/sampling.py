@@ -100,7 +100,7 @@ def _random_points(C: HyperellipticCurve, rng: Rng) -> list[Any]:
     points: list[Any] = []
     while len(points) < count:
         point = C.random_point(rng)
-        # equal x would give P + P or P + ιP, which random points do not contain
+        # in floats a point P may be drawn twice, or P and ιP: both have probability 0 among real or complex points
         if all(point.x != other.x for other in points):
             points.append(point)
     return points

@@ -55,7 +55,7 @@ def split(x: Any) -> tuple[float, float]:
 
 
 def double_double_row(values: Iterable[Any]) -> np.ndarray:
-    """Numbers that :func:`split` takes as an array of double-doubles, shape (n, 2)."""
+    """An array of double-doubles, shape (n, 2), from n numbers of the types that :func:`split` accepts."""
     return np.array([split(x) for x in values])
 
 

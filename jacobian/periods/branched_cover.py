@@ -160,7 +160,7 @@ class BranchedCover:
         return [x / n for x in moments]
 
     def _slope_root(self, i: int) -> complex:
-        """A square root of F'(e_i), of modulus 1."""
+        """A square root of F'(e_i)/|F'(e_i)|."""
         value = _unit(self.lead)
         for k, e in enumerate(self.roots):
             if k != i:
