@@ -37,7 +37,8 @@ def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real,
 
 def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
     """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij."""
-    return weighted_matrix(body.field, eigenvalues(body, point))
+    values = eigenvalues(body, point)
+    return weighted_matrix(body.field, values)
 
 
 def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
@@ -49,7 +50,7 @@ def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matr
 
 def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) -> Real | None:
     """The trace J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
-    K, values = body.field, eigenvalues(body, point)
+    values, K = eigenvalues(body, point), body.field
     m = whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX)
     below = poly.integer(K, m)
     if K.is_zero(below):
