@@ -176,7 +176,10 @@ def half_xgcd(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> tup
     if r1:
         # a and b are coprime: the last division, by a constant, would give the remainder 0
         return (K.one,), scale(K, K.inv(r1[0]), s1)
-    return monic(K, r0), scale(K, K.inv(r0[-1]), s0)
+    if r0[-1] == K.one:
+        return r0, s0
+    inverse = K.inv(r0[-1])
+    return (*scale(K, inverse, r0[:-1]), K.one), scale(K, inverse, s0)
 
 
 def xgcd(
@@ -209,6 +212,16 @@ def resultant(K: Arithmetic[Element], a: Poly[Element], b: Poly[Element]) -> Ele
 def integer(K: Arithmetic[Element], m: int) -> Element:
     """The element m·1; ``K.coerce(m)`` differs over GF(p^k), where an int stands for an element."""
     return K.coerce(m % K.characteristic if K.characteristic else m)
+
+
+def power(K: Arithmetic[Element], x: Element, exponent: int) -> Element:
+    """x**exponent, exponent ≥ 0, by squaring."""
+    result = K.one
+    for bit in bin(exponent)[2:]:
+        result = K.mul(result, result)
+        if bit == "1":
+            result = K.mul(result, x)
+    return result
 
 
 def evaluate(K: Arithmetic[Element], a: Poly[Element], x: Element) -> Element:

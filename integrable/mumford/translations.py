@@ -23,8 +23,8 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which the first point of E reaches the boundary of the disc of its series, so each
 # term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# T is in general position under two conditions, where R is the largest root of the U of E: the roots of the U of T are
-# at most NEAR·R in size, and at |x| = R the terms of V have a sum of absolute values of at most NEAR·√(that of f). V is
+# let R be the largest root of the U of E. T is in general position under two conditions. The roots of its U are at most
+# NEAR·R in size. At |x| = R the sum of |terms of V| is at most NEAR times the square root of that sum for f. V is
 # large if T nearly contains a point P and its image under y ↦ −y. In genus 4, T(τ) along (1, 0, …) for a short τ nearly
 # contains two such pairs of points near x = 0. Sums with such a T lose hundreds of bits
 NEAR = 4

@@ -87,7 +87,7 @@ class Jet:
         return self
 
     def __pow__(self, exponent: int) -> Jet:
-        return natural_power(self.field, self if exponent >= 0 else self.field.inv(self), abs(exponent))
+        return poly.power(self.field, self if exponent >= 0 else self.field.inv(self), abs(exponent))
 
 
 class JetField:
@@ -212,16 +212,6 @@ class JetField:
         """A hashable key of a jet, from the base's keys of its value and slopes."""
         x = self._jet(x)
         return (self.base.key(x.value), *map(self.base.key, x.slopes))
-
-
-def natural_power(K: Any, x: Any, exponent: int) -> Any:
-    """x**exponent, exponent ≥ 0."""
-    result = K.one
-    for bit in bin(exponent)[2:]:
-        result = K.mul(result, result)
-        if bit == "1":
-            result = K.mul(result, x)
-    return result
 
 
 def apply(field: Any, function: Callable[..., object], *values: Real) -> Any:

@@ -18,7 +18,6 @@ from typing import Any
 
 from integrable.phase.body import Body
 from integrable.phase.brackets import Matrix, Variables, jacobian_matrix, weighted_matrix
-from integrable.phase.jets import natural_power
 from integrable.phase.separation import phi
 from jacobian import linear, poly
 from jacobian.element import Real
@@ -55,7 +54,7 @@ def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) 
     below = poly.integer(K, m)
     if K.is_zero(below):
         raise ArgumentError(f"m = {written(m)} vanishes in {K.name}: J_m does not exist there")
-    total = K.div(K.add(*(natural_power(K, value, m) for value in values)), below)
+    total = K.div(K.add(*(poly.power(K, value, m) for value in values)), below)
     if not K.exact and not abs(total) < inf:
         raise PrecisionLoss(f"m = {written(m)}: J_m is beyond the numbers of {K.name}")
     return total

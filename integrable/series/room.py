@@ -17,9 +17,9 @@ from jacobian.native.machine import features
 WIDEST = 8 if "+avx512f" in features() else 4
 # a motion has WALKS walks, which are compared, and at most ABREAST of its variables share a vector
 WALKS, ABREAST = 2, 4
-# indices of vectors in a :class:`Room`: from RATIOS on, the ratios |coefficient|/(size of the variable) that determine
-# the step; at BENT, the size of the coefficients of orders 2 and 3; at STEP, the steps; from UNITS on, unit/(k + 1),
-# where unit is the unit of time
+# indices of vectors in a :class:`Room`. The four from RATIOS on have the ratios |coefficient|/(size of the variable)
+# that determine the step. The vector BENT has the size of the coefficients of orders 2 and 3, and STEP has the steps.
+# Those from UNITS on have (unit of time)/(k + 1), k = 0, 1, …
 RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
 # number of leading coefficients whose largest is taken as the size of a variable
 FIRST = 4

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from operator import mul
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -38,6 +38,14 @@ Function = Callable[[np.ndarray], np.ndarray]
 """A function of states, γ and M side by side, shape (N, 6), that gives m numbers for each, shape (N, m)."""
 
 
+class TimedRun(Protocol):
+    """States at physical times, or at values of τ."""
+
+    times: np.ndarray
+    tau: np.ndarray
+    given_in_tau: bool
+
+
 class TorusIntegral:
     """∫_0^τ F dτ for a function F of the state, with several parts, each of mean 0.
 
@@ -61,7 +69,7 @@ class TorusIntegral:
             for grid, noise in zip(found.grids, found.noises.tolist(), strict=True)
         ]
 
-    def at(self, run: Any) -> np.ndarray:
+    def at(self, run: TimedRun) -> np.ndarray:
         """The integrals at the times of a :class:`~integrable.motion.trajectory.Trajectory`, shape (N, m). Where its
         physical times are given, they determine the phases, because τ is rounded.
         """

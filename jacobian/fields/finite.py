@@ -7,6 +7,7 @@ from functools import cached_property
 from random import Random
 from typing import Any, Generic
 
+from jacobian import poly
 from jacobian.element import Element, Rng
 from jacobian.errors import NotASquare, written
 from jacobian.fields.randomness import random_below
@@ -79,12 +80,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
 
     def power(self, x: Element, exponent: int) -> Element:
         """x**exponent, exponent ≥ 0."""
-        result = self.one
-        for bit in bin(exponent)[2:]:
-            result = self.mul(result, result)
-            if bit == "1":
-                result = self.mul(result, x)
-        return result
+        return poly.power(self, x, exponent)
 
     def is_square(self, x: Element) -> bool:
         """Whether x is a square, by Euler's criterion."""

@@ -4,8 +4,8 @@ A pair (u, v) with the ``lean`` s represents the class of div(u, v) − (deg u/2
 adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class D in
 general position is represented by g points with the lean −1. Cantor's steps reduce a sum of two such classes to g + 1
 points with the lean −2. The opposite of a class is represented by g points with the lean 1. Let P be the polynomial
-part of √f at ∞₊. A step with y + P turns the g + 1 points of a sum into g points with the lean −1, and a step with
-y − P does so with the g points of an opposite (Galbraith, Harrison and Mireles Morales 2008).
+part of √f at ∞₊. One more step leads to g points with the lean −1: with y + P from the g + 1 points of a sum, with
+y − P from the g points of an opposite (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations

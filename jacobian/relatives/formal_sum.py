@@ -4,8 +4,8 @@ A divisor Σ m_P P over the field is stored as
 
     div(u, v) + π*(r) + m₊∞₊ + m₋∞₋,
 
-where (u, v) is a semi-reduced pair of any degree, r = numerator/denominator a rational function of x, and π*(r) the
-affine part of its divisor on the curve: π*(x − e) = P + ιP for a point P over e, ι being the involution. The pair
+where (u, v) is a semi-reduced pair of any degree and r = numerator/denominator a rational function of x. π*(r) is the
+affine part of the divisor of r on the curve: π*(x − e) = P + ιP for a point P over e, with the involution ι. The pair
 contains no P together with ιP, which makes the form unique. No polynomial is factored: a sum composes the pairs by
 Cantor's formulas and multiplies r by the polynomial of the points that cancel. Nothing is reduced; classes are computed
 on request.
