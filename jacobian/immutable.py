@@ -123,10 +123,10 @@ def replaced(value: Kind, **changes: Any) -> Kind:
 
 def made_once(key: Hashable, make: Callable[[], Value]) -> Value:
     """The value stored under ``key`` in this process; the first call for this key computes it by ``make``."""
-    if key not in _MADE:
-        _MADE[key] = make()
-    found: Value = _MADE[key]
-    return found
+    found: Any = _MADE.get(key, _MADE)
+    if found is _MADE:
+        found = _MADE[key] = make()
+    return found  # type: ignore[no-any-return]
 
 
 def read_only(array: Array) -> Array:

@@ -11,6 +11,7 @@ turning points of z. For the factor that vanishes at z = 1 the turning point is 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from math import acos, cos
 from typing import Any, NamedTuple
 
@@ -208,12 +209,18 @@ def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: 
     """``numbers`` with the entry C of a motion that starts at ``axis``; before, this entry is 1."""
     import gmpy2
 
-    inverse = [N.coerce(high) + low for high, low in inverse_factorials().tolist()]
-    (x, y, _), (dx, dy, _) = axis_at(AxialThetas(numbers, table, inverse, False), N.zero)
+    (x, y, _), (dx, dy, _) = axis_at(AxialThetas(numbers, table, _long_inverse(), False), N.zero)
     by_rate = max(abs(x), abs(y)) * abs(numbers[5]) <= max(abs(dx), abs(dy))
     own, found = (axis.g_rate, (dx, dy)) if by_rate else (axis.g, (x, y))
     factor = gmpy2.mpc(*own) / gmpy2.mpc(*found)
     return *numbers[:3], factor.real, factor.imag, *numbers[5:]
+
+
+@cache
+def _long_inverse() -> list[Real]:
+    """:func:`integrable.torus.theta_series.inverse_factorials` in long numbers."""
+    with long_numbers(FEWER_BITS) as N:
+        return [N.coerce(high) + low for high, low in inverse_factorials().tolist()]
 
 
 def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]], Real]:

@@ -387,8 +387,8 @@ class MumfordSystem(Made):
 
     @property
     def _walk_constants(self) -> tuple[float, ...]:
-        """The constants and parameters in floats; the final 0 keeps the tuple from being empty."""
-        return *map(float, self.constants), *map(float, self.parameters), 0.0
+        """The constants and parameters of a system over RR; the final 0 keeps the tuple from being empty."""
+        return *self.constants, *self.parameters, 0.0
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), at any times.

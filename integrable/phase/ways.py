@@ -94,10 +94,10 @@ def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: 
         if found.places is None and not parts:
             return found
         left = np.arange(len(times)) if left is None else left
-        places = left if found.places is None else left[found.places]
-        if len(places):
-            parts.append((found, places))
-            left = np.setdiff1d(left, places)
+        reached = slice(None) if found.places is None else found.places
+        if len(left[reached]):
+            parts.append((found, left[reached]))
+            left = np.delete(left, reached)
         if parts and not len(left):
             break
     states = np.empty((len(times), *parts[0][0].states.shape[1:]))

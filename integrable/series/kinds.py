@@ -140,7 +140,7 @@ class Kind:
         """``near`` and the states at the remaining times, by finer steps with more guard digits."""
         if near.places is None or not near.lacks(len(times)):
             return near
-        left = np.setdiff1d(np.arange(len(times)), near.places)
+        left = np.delete(np.arange(len(times)), near.places)
         more = self._reached((constants, state), times[left], most, (FINEST,))
         return self._joined([near, more.among(left)])
 
@@ -163,7 +163,8 @@ class Kind:
         ``plan`` has several bounds on the terms of the series, from coarse to fine (``tiers`` of :class:`Steps`). A
         walk with each of them is tried for those times whose states are not known from the walks before.
         """
-        parts, left = list[Near](), None
+        parts: list[Near] = []
+        left = None
         for steps in plan:
             walk, tier = self.walk(steps.orders) if len(times) else None, 0
             while walk is not None and tier < len(steps.tiers):

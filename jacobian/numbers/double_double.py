@@ -7,10 +7,9 @@ The arithmetic is compiled: :mod:`jacobian.native`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from fractions import Fraction
 from functools import lru_cache
-from math import isfinite, ldexp
+from math import inf, isfinite, ldexp
 from numbers import Integral
 from typing import Any
 
@@ -73,10 +72,12 @@ def _split_mpf(x: Any) -> tuple[float, float]:
 
 def _finite(x: Any, convert: Callable[[Any], float]) -> float:
     """The float nearest to x, by ``convert``; ArgumentError beyond the range of floats."""
-    with suppress(OverflowError):
+    try:
         high = convert(x)
-        if isfinite(high):
-            return high
+    except OverflowError:
+        high = inf
+    if isfinite(high):
+        return high
     raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
 
 
