@@ -12,7 +12,7 @@ import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.arithmetic import MOST_TURNS, too_many_turns
-from integrable.torus.clock_loops import Clock, ClockSeries
+from integrable.torus.clock_loops import Clock, ClockRoom, ClockSeries
 from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
 from integrable.torus.lifts import TOGETHER, RateSums, Torus
 from integrable.torus.loops import Loops
@@ -208,28 +208,31 @@ class TorusClock:
         limits = Cutoffs(ROUNDING, noise * least, LEAST_SWING * least / scale, ROUGH, LOUD * least / scale)
         series, pace = series_between(loops, spectrum, (rates, doubled), limits)
         self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
-        self._room = 2 * max(part.width for part in series[:2])
+        self._width = max(part.width for part in series[:2])
         self.most = MOST_TURNS / max(1.0, series[1].bound * float(np.abs(loops.floats(rates[:2])).max()) / 2)
 
     def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(γ and M, τ, τ − t·(mean dτ/dt)) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
-        room = np.empty(self._room), self._loops.room(2 * len(times))
-        self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room)
+        room, phases = self._room(len(times)), self._loops.room(2 * len(times))
+        self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room, phases)
         return out.reshape(-1, 6), tau, delays
 
     def phases(self, times: np.ndarray) -> tuple[Row, np.ndarray]:
         """(phases in turns modulo 2, τ) at physical times; the two phases of a time are adjacent."""
         phases, tau, delays = self._loops.room(2 * len(times)), np.empty(len(times)), np.empty(len(times))
         given = np.ascontiguousarray(times, dtype=np.float64)
-        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), np.empty(self._room))
+        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), self._room(len(times)))
         return phases, tau
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         times = np.empty(len(tau))
-        self._loops.times_at_tau(self._clock, tau, times, np.empty(self._room))
+        self._loops.times_at_tau(self._clock, tau, times, np.empty(2 * self._width))
         return times
+
+    def _room(self, count: int) -> ClockRoom:
+        return ClockRoom(np.empty(2 * self._width), *np.empty((4, count)), self._loops.room(count))
 
 
 def series_between(

@@ -10,10 +10,14 @@ from typing import NamedTuple
 from integrable.moving_point.addition import Real, Row
 from integrable.torus.states import BodyStates, states_at, whole_turns
 from integrable.torus.theta_series import circle
+from jacobian.numbers.abreast import abreast
 
-# Newton's method with the slope at its first point multiplies an error by about the length of the first step, in turns.
-# It ends when the product of the lengths of the first and of the last step is at most LAST_STEPS
-LAST_STEPS = 1e-18
+# Newton's method with the slope at one point multiplies an error by about the distance of this point from the solution,
+# in turns. It ends when the product of this distance and of the last step is at most LAST_ERROR
+LAST_ERROR = 1e-18
+# the relative length of the last Newton step: with the larger modes of S, with all modes before a correction in full
+# precision, and without one
+ROUGHLY, NEARLY, EXACT = 1e-5, 1e-5, 1e-9
 
 
 class ClockSeries(NamedTuple):
@@ -55,85 +59,118 @@ class Clock(NamedTuple):
     inverse: Row
 
 
+class ClockRoom(NamedTuple):
+    """The memory of :func:`phases_at_times`: ``powers`` for :func:`swing_and_rate`, and a number for each time in each
+    other array.
+
+    ``rates`` are slopes of τ + S, ``steps`` the distances in turns from the point of that slope to the solution,
+    ``errors`` the estimated errors in turns, ``quiet`` the values of the series of that name, and ``offsets`` the x of
+    :func:`phases_at_times`.
+    """
+
+    powers: Row
+    rates: Row
+    steps: Row
+    errors: Row
+    quiet: Row
+    offsets: Row
+
+
 def states_at_times(
-    body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row]
+    body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: ClockRoom, phases: Row
 ) -> None:
     """Writes τ at physical times t, τ − t·(mean dτ/dt), and γ and M, six floats for each time, into ``found``.
 
-    ``room`` is memory for powers, and for two phases at each time.
+    ``phases`` is memory for two phases at each time.
     """
-    (tau, delays, out), (powers, phases) = found, room
-    phases_at_times(clock, times, (phases, tau, delays), powers)
+    tau, delays, out = found
+    phases_at_times(clock, times, (phases, tau, delays), room)
     states_at(body, phases, out)
 
 
-def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room: Row) -> None:
+def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room: ClockRoom) -> None:
     """Writes into ``found`` the phases at physical times t (in turns, modulo 2, one pair after the other), τ, and
-    τ − t·(mean dτ/dt).
-    """
-    phases, tau, delays = found
-    for i in range(len(times)):
-        first, second, x = phases_at_time(clock, times[i], room)
-        phases[2 * i], phases[2 * i + 1] = first, second
-        tau[i], delays[i] = float(clock.pace[4] * times[i] + x), float(x)
-
-
-def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, Real]:
-    """Both phases at a physical time t, in turns, modulo 2, and x = τ − t·(mean dτ/dt).
+    x = τ − t·(mean dτ/dt).
 
     With S of :class:`ClockSeries`, x solves x + S = 0 at the phases (a + ν₁x, b + ν₂x), where (a, b) are the phases at
     the mean value of τ. x is found first with the larger modes of S, then with all modes in floats, and corrected where
     floats are not enough.
     """
-    pace = clock.pace
-    pace1, pace2, nu1, nu2 = pace[0], pace[1], pace[2], pace[3]
-    (double1, double2), modes = clock.doubled, clock.modes
-    first, turn1 = whole_turns(pace1 * time)
-    second, turn2 = whole_turns(pace2 * time)
-    a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-    start, _ = solved(clock.rough, a, b, 0.0, 1e-5, room)
-    start, rate = solved(clock.series, a, b, start, 1e-9, room)
-    x = 0 * nu1 + start
-    if len(modes) > 0:
-        # near a resonance a few modes are so large that their rounding in floats changes x by a large part of a turn
-        first_size = 0.0
-        for _ in range(8):
-            p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
-            rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
-            step = (loud_swing(clock, p, q) + x + rest) / rate
-            x -= step
-            size = abs(float(step)) * (abs(float(nu1)) + abs(float(nu2)))
-            first_size = max(first_size, size)
-            if first_size * size <= LAST_STEPS:
-                break
-    first, more1 = whole_turns(first + nu1 * x)
-    second, more2 = whole_turns(second + nu2 * x)
-    return first + (turn1 + more1) % 2, second + (turn2 + more2) % 2, x
+    (phases, tau, delays), pace, (double1, double2) = found, clock.pace, clock.doubled
+    pace1, pace2, nu1, nu2, mean = pace[0], pace[1], pace[2], pace[3], pace[4]
+    offsets, near = room.offsets, EXACT if len(clock.modes) == 0 else NEARLY
+    for i in abreast(0, len(times)):
+        first, turn1 = whole_turns(pace1 * times[i])
+        second, turn2 = whole_turns(pace2 * times[i])
+        phases[2 * i], phases[2 * i + 1] = first + turn1 % 2, second + turn2 % 2
+    for k in range(len(times)):
+        a, b = float(phases[2 * k] / double1), float(phases[2 * k + 1] / double2)
+        x, _, _ = solved(clock.rough, a, b, 0.0, ROUGHLY, room.powers)
+        x, room.rates[k], room.steps[k] = solved(clock.series, a, b, x, near, room.powers)
+        offsets[k], room.errors[k] = x + 0 * nu1, 1.0
+    if len(clock.modes) > 0:
+        correct(clock, phases, room)
+    for i in abreast(0, len(times)):
+        first, turn1 = whole_turns(phases[2 * i] + nu1 * offsets[i])
+        second, turn2 = whole_turns(phases[2 * i + 1] + nu2 * offsets[i])
+        phases[2 * i], phases[2 * i + 1] = first + turn1 % 2, second + turn2 % 2
+        tau[i], delays[i] = float(mean * times[i] + offsets[i]), float(offsets[i])
 
 
-def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
-    """Writes the physical times at the times ``tau`` of the flow."""
+def correct(clock: Clock, phases: Row, room: ClockRoom) -> None:
+    """Corrects the offsets in ``room`` by Newton's method with constant slopes and the largest modes in full precision.
+
+    Near a resonance a few modes are so large that their rounding in floats changes x by a large part of a turn.
+    """
+    nu1, nu2, (double1, double2) = clock.pace[2], clock.pace[3], clock.doubled
+    offsets, steps, errors, quiet = room.offsets, room.steps, room.errors, room.quiet
+    turns = abs(float(nu1)) + abs(float(nu2))
+    for _ in range(8):
+        for k in range(len(errors)):
+            if errors[k] > LAST_ERROR:
+                a, b = (phases[2 * k] + nu1 * offsets[k]) / double1, (phases[2 * k + 1] + nu2 * offsets[k]) / double2
+                quiet[k], _ = swing_and_rate(clock.quiet, float(a), float(b), room.powers)
+        worst = 0.0
+        for i in abreast(0, len(errors)):
+            x = offsets[i]
+            p, q = (phases[2 * i] + nu1 * x) / double1, (phases[2 * i + 1] + nu2 * x) / double2
+            step = (loud_swing(clock, p, q) + x + quiet[i]) / room.rates[i]
+            # a state does not depend on the other times, so a solved x stays as it is
+            step = step if errors[i] > LAST_ERROR else 0 * step
+            offsets[i] = x - step
+            size = abs(float(step)) * turns
+            steps[i] = max(steps[i], size)
+            errors[i] = steps[i] * size
+        for error in errors:
+            worst = max(worst, error)
+        if worst <= LAST_ERROR:
+            break
+
+
+def times_at_tau(clock: Clock, tau: Row, times: Row, powers: Row) -> None:
+    """Writes the physical times at the times ``tau`` of the flow; ``powers`` is memory for :func:`swing_and_rate`."""
     (double1, double2), nu1, nu2, mean = clock.doubled, clock.pace[2], clock.pace[3], clock.pace[5]
     for i in range(len(tau)):
         first, turn1 = whole_turns(nu1 * tau[i])
         second, turn2 = whole_turns(nu2 * tau[i])
         a, b = (first + turn1 % double1) / double1, (second + turn2 % double2) / double2
-        swing, _ = swing_and_rate(clock.quiet, float(a), float(b), room)
+        swing, _ = swing_and_rate(clock.quiet, float(a), float(b), powers)
         times[i] = float(mean * (loud_swing(clock, a, b) + tau[i] + swing))
 
 
 def loud_swing(clock: Clock, a: Real, b: Real) -> Real:
     """The constant and the largest modes of the series S of a :class:`Clock`, summed at the phases (a, b)."""
     modes, loud = clock.modes, clock.loud
-    total = loud[0]
+    total = loud[0] + 0 * a
     for n in range(len(modes) // 2):
         c, s = circle(modes[2 * n] * a + modes[2 * n + 1] * b, clock.inverse)
         total += loud[1 + 2 * n] * c - loud[2 + 2 * n] * s
     return total
 
 
-def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
-    """The x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), and the slope of x + S; S is the sum of ``series``.
+def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float, float]:
+    """The x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), a slope of x + S, and the distance in turns from the point
+    of this slope to x; S is the sum of ``series``.
 
     Newton's method starts from the given ``x``. The error of the result is about the bound of S times the square of
     ``near``. x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the zero; then the
@@ -142,7 +179,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
     (nu1, nu2), bound = series.frequencies, series.bound
     # near a resonance |S| may be many turns, but x + S varies on the scale of one turn
     turn = 1 / (abs(nu1) + abs(nu2))
-    low, high, rate = -bound, bound, 1.0
+    low, high, rate, step = -bound, bound, 1.0, 0.0
     for _ in range(100):
         rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, room)
         rest += x
@@ -156,7 +193,7 @@ def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room:
         x -= step
         if abs(step) <= near * min(bound, turn):
             break
-    return x, rate
+    return x, rate, abs(step) / turn
 
 
 def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:

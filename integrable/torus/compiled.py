@@ -10,7 +10,7 @@ from typing import Any
 
 from integrable.moving_point.compiled import SPECIAL
 from integrable.torus import clock_loops, clock_modes, lattice, lifts, states, theta_series, theta_setup
-from integrable.torus.clock_loops import Clock, ClockSeries
+from integrable.torus.clock_loops import Clock, ClockRoom, ClockSeries
 from integrable.torus.clock_modes import Cutoffs, Tables
 from integrable.torus.lifts import Limits, RateSums, Torus
 from integrable.torus.states import BodyStates
@@ -36,6 +36,7 @@ KINDS: dict[type[tuple[object, ...]], TupleKind] = {
 
 
 _BODY, _RATE, _CLOCK, _LIMITS = KINDS[BodyStates], KINDS[RateSums], KINDS[Clock], record(Limits, FLOAT, FLOAT, FLOAT)
+_ROOM = record(ClockRoom, *(FLOATS,) * 5, WIDES)
 _PANELS, _ROWS, _PHASES = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2), TupleKind((WIDES, FLOATS, FLOATS))
 LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, WIDES)),
@@ -52,9 +53,9 @@ LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "phases_at": (states.phases_at, (WIDES, FLOATS, WIDES)),
     "states_at_times": (
         clock_loops.states_at_times,
-        (_BODY, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), TupleKind((FLOATS, WIDES))),
+        (_BODY, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), _ROOM, WIDES),
     ),
-    "phases_at_times": (clock_loops.phases_at_times, (_CLOCK, FLOATS, _PHASES, FLOATS)),
+    "phases_at_times": (clock_loops.phases_at_times, (_CLOCK, FLOATS, _PHASES, _ROOM)),
     "times_at_tau": (clock_loops.times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
     "spectrum": (clock_modes.spectrum_of_samples, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
     "clock_series": (
