@@ -18,6 +18,7 @@ from integrable.torus.lifts import TOGETHER, RateSums, Torus
 from integrable.torus.loops import Loops
 from integrable.torus.series import in_resonance
 from integrable.torus.states import BodyStates
+from integrable.torus.theta_series import float_circle
 from jacobian.errors import PrecisionLoss
 from jacobian.native.library import Packed
 
@@ -207,8 +208,7 @@ class TorusClock:
         least = spectrum.least
         limits = Cutoffs(ROUNDING, noise * least, LEAST_SWING * least / scale, ROUGH, LOUD * least / scale)
         series, pace = series_between(loops, spectrum, (rates, doubled), limits)
-        self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle))
-        self._width = max(part.width for part in series[:2])
+        self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle, float_circle()))
         self.most = MOST_TURNS / max(1.0, series[1].bound * float(np.abs(loops.floats(rates[:2])).max()) / 2)
 
     def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -228,11 +228,11 @@ class TorusClock:
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         times = np.empty(len(tau))
-        self._loops.times_at_tau(self._clock, tau, times, np.empty(2 * self._width))
+        self._loops.times_at_tau(self._clock, tau, times)
         return times
 
     def _room(self, count: int) -> ClockRoom:
-        return ClockRoom(np.empty(2 * self._width), *np.empty((4, count)), self._loops.room(count))
+        return ClockRoom(*np.empty((5, count)), self._loops.room(count))
 
 
 def series_between(
@@ -246,7 +246,7 @@ def series_between(
     (values, grid, _), pace = spectrum, loops.room(6)
     size, height = grid[0] // 2 * grid[1], grid[0] // 2
     floats, lines = np.empty((4, 4 * size)), np.empty((2, 3 * height), dtype=np.int64)
-    pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(9, dtype=np.int64)
+    pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(7, dtype=np.int64)
     tables, loud = (
         Tables(floats[0], lines[0], floats[1], lines[1], floats[2], floats[3], pairs, counts),
         loops.room(1 + 2 * MOST_LOUD),
@@ -260,10 +260,10 @@ def series_between(
 
     def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
         # the used parts are copied, so that the working memory is freed
-        least, width, used, total = sizes
+        least, used, total = sizes
         kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
-        return ClockSeries(*kept, least, width, (first, second), bound, origin, mean)
+        return ClockSeries(*kept, least, (first, second), bound, origin, mean)
 
-    whole, rough = packed(found[:4], lines[0], floats[1], origin), packed(found[4:], lines[1], floats[2], origin)
-    quiet = packed(found[:4], lines[0], floats[3], rest) if count else whole
+    whole, rough = packed(found[:3], lines[0], floats[1], origin), packed(found[3:], lines[1], floats[2], origin)
+    quiet = packed(found[:3], lines[0], floats[3], rest) if count else whole
     return (rough, whole, quiet, pairs[: 2 * count], loud[: 1 + 2 * count]), pace

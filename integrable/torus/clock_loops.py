@@ -4,7 +4,6 @@ interpreted.
 
 from __future__ import annotations
 
-from math import cos, pi, sin
 from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
@@ -14,7 +13,7 @@ from jacobian.numbers.abreast import abreast
 
 # Newton's method with the slope at one point multiplies an error by about the distance of this point from the solution,
 # in turns. It ends when the product of this distance and of the last step is at most LAST_ERROR
-LAST_ERROR = 1e-18
+LAST_ERROR, MOST_STEPS, MOST_CORRECTIONS = 1e-18, 100, 8
 # the relative length of the last Newton step: with the larger modes of S, with all modes before a correction in full
 # precision, and without one
 ROUGHLY, NEARLY, EXACT = 1e-5, 1e-5, 1e-9
@@ -25,14 +24,13 @@ class ClockSeries(NamedTuple):
 
     ``lines`` has three numbers for each k = 0, 1, …: its first m, counted from ``least``, and where its coefficients
     begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of all
-    coefficients of S, then the imaginary parts, then both for dS/dτ. ``least`` is the least m, ``width`` the number of
-    m, ``bound`` a bound of |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S, 1 up to rounding.
+    coefficients of S, then the imaginary parts, then both for dS/dτ. ``least`` is the least m, ``bound`` a bound of
+    |S|. S is ``origin`` plus the modes. ``mean`` is the mean rate of τ + S, 1 up to rounding.
     """
 
     lines: Row
     parts: Row
     least: int
-    width: int
     frequencies: tuple[float, float]
     bound: float
     origin: float
@@ -46,7 +44,7 @@ class Clock(NamedTuple):
     ones, ``series`` all, and ``quiet`` all but the largest. The pairs (k, m) of the largest are ``modes``; ``loud`` has
     a constant, and the real and imaginary parts of their coefficients. ``pace`` has mean rates: the turns of each phase
     per unit of t, then per unit of τ, then dτ/dt and dt/dτ. ``inverse`` is that of
-    :func:`integrable.torus.theta_series.circle`.
+    :func:`integrable.torus.theta_series.circle`, ``circle`` the same in floats.
     """
 
     doubled: tuple[int, int]
@@ -57,22 +55,21 @@ class Clock(NamedTuple):
     loud: Row
     pace: Row
     inverse: Row
+    circle: Row
 
 
 class ClockRoom(NamedTuple):
-    """The memory of :func:`phases_at_times`: ``powers`` for :func:`swing_and_rate`, and a number for each time in each
-    other array.
+    """The memory of :func:`phases_at_times`, with one number for each time in each array.
 
-    ``rates`` are slopes of τ + S, ``steps`` the distances in turns from the point of that slope to the solution,
-    ``errors`` the estimated errors in turns, ``quiet`` the values of the series of that name, and ``offsets`` the x of
-    :func:`phases_at_times`.
+    x is between ``lows`` and ``highs``. ``rates`` are slopes of x + S, and ``steps`` the distances from the point of
+    that slope to x. ``errors`` are estimated errors, in turns. ``offsets`` are the x in full precision.
     """
 
-    powers: Row
+    lows: Row
+    highs: Row
     rates: Row
     steps: Row
     errors: Row
-    quiet: Row
     offsets: Row
 
 
@@ -96,18 +93,17 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
     the mean value of τ. x is found first with the larger modes of S, then with all modes in floats, and corrected where
     floats are not enough.
     """
-    (phases, tau, delays), pace, (double1, double2) = found, clock.pace, clock.doubled
+    (phases, tau, delays), pace, offsets = found, clock.pace, room.offsets
     pace1, pace2, nu1, nu2, mean = pace[0], pace[1], pace[2], pace[3], pace[4]
-    offsets, near = room.offsets, EXACT if len(clock.modes) == 0 else NEARLY
     for i in abreast(0, len(times)):
         first, turn1 = whole_turns(pace1 * times[i])
         second, turn2 = whole_turns(pace2 * times[i])
         phases[2 * i], phases[2 * i + 1] = first + turn1 % 2, second + turn2 % 2
-    for k in range(len(times)):
-        a, b = float(phases[2 * k] / double1), float(phases[2 * k + 1] / double2)
-        x, _, _ = solved(clock.rough, a, b, 0.0, ROUGHLY, room.powers)
-        x, room.rates[k], room.steps[k] = solved(clock.series, a, b, x, near, room.powers)
-        offsets[k], room.errors[k] = x + 0 * nu1, 1.0
+        delays[i] = 0 * times[i]
+    solve(clock.rough, clock, phases, delays, ROUGHLY, room)
+    solve(clock.series, clock, phases, delays, EXACT if len(clock.modes) == 0 else NEARLY, room)
+    for i in abreast(0, len(times)):
+        offsets[i] = delays[i] + 0 * nu1
     if len(clock.modes) > 0:
         correct(clock, phases, room)
     for i in abreast(0, len(times)):
@@ -117,44 +113,81 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
         tau[i], delays[i] = float(mean * times[i] + offsets[i]), float(offsets[i])
 
 
+def solve(series: ClockSeries, clock: Clock, phases: Row, found: Row, near: float, room: ClockRoom) -> None:
+    """Replaces each x in ``found`` by the solution of x + S = 0, where S is the sum of ``series``.
+
+    Newton's method ends after a step of ``near`` times the bound of S, or times a turn if that is shorter. The error
+    is about the square of this. x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the
+    zero; then the bracket is halved.
+    """
+    (double1, double2), (nu1, nu2), bound = clock.doubled, series.frequencies, series.bound
+    # near a resonance |S| may be many turns, but x + S varies on the scale of one turn
+    near = near * min(bound, 1 / (abs(nu1) + abs(nu2)))
+    lows, highs, rates, steps, _, _ = room
+    for i in abreast(0, len(found)):
+        zero = 0 * found[i]
+        lows[i], highs[i], rates[i], steps[i] = zero - bound, zero + bound, zero + 1, zero + 2 * near
+    for _ in range(MOST_STEPS):
+        for i in abreast(0, len(found)):
+            x, low, high, rate, step = found[i], lows[i], highs[i], rates[i], steps[i]
+            if step > near:
+                a, b = float(phases[2 * i]) / double1, float(phases[2 * i + 1]) / double2
+                rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, clock.circle)
+                rest += x
+                if rest > 0:
+                    high = x
+                else:
+                    low = x
+                step = rest / rate
+                step = step if low <= x - step <= high else x - 0.5 * (low + high)
+                x, step = x - step, abs(step)
+            found[i], lows[i], highs[i], rates[i], steps[i] = x, low, high, rate, step
+        if greatest(steps) <= near:
+            break
+
+
 def correct(clock: Clock, phases: Row, room: ClockRoom) -> None:
-    """Corrects the offsets in ``room`` by Newton's method with constant slopes and the largest modes in full precision.
+    """Corrects the ``offsets`` by Newton's method with constant slopes, and with the largest modes in full precision.
 
     Near a resonance a few modes are so large that their rounding in floats changes x by a large part of a turn.
     """
     nu1, nu2, (double1, double2) = clock.pace[2], clock.pace[3], clock.doubled
-    offsets, steps, errors, quiet = room.offsets, room.steps, room.errors, room.quiet
-    turns = abs(float(nu1)) + abs(float(nu2))
-    for _ in range(8):
-        for k in range(len(errors)):
-            if errors[k] > LAST_ERROR:
-                a, b = (phases[2 * k] + nu1 * offsets[k]) / double1, (phases[2 * k + 1] + nu2 * offsets[k]) / double2
-                quiet[k], _ = swing_and_rate(clock.quiet, float(a), float(b), room.powers)
-        worst = 0.0
+    offsets, steps, errors, turns = room.offsets, room.steps, room.errors, abs(float(nu1)) + abs(float(nu2))
+    for i in abreast(0, len(errors)):
+        errors[i] = 0 * steps[i] + 1
+    for _ in range(MOST_CORRECTIONS):
         for i in abreast(0, len(errors)):
-            x = offsets[i]
-            p, q = (phases[2 * i] + nu1 * x) / double1, (phases[2 * i + 1] + nu2 * x) / double2
-            step = (loud_swing(clock, p, q) + x + quiet[i]) / room.rates[i]
-            # a state does not depend on the other times, so a solved x stays as it is
-            step = step if errors[i] > LAST_ERROR else 0 * step
-            offsets[i] = x - step
-            size = abs(float(step)) * turns
-            steps[i] = max(steps[i], size)
-            errors[i] = steps[i] * size
-        for error in errors:
-            worst = max(worst, error)
-        if worst <= LAST_ERROR:
+            x, reach, error = offsets[i], steps[i], errors[i]
+            # a solved x is left as it is, so that a state does not depend on the other times
+            if error > LAST_ERROR:
+                p, q = (phases[2 * i] + nu1 * x) / double1, (phases[2 * i + 1] + nu2 * x) / double2
+                rest, _ = swing_and_rate(clock.quiet, float(p), float(q), clock.circle)
+                step = (loud_swing(clock, p, q) + x + rest) / room.rates[i]
+                x -= step
+                size = abs(float(step))
+                reach = max(reach, size)
+                error = reach * size * turns * turns
+            offsets[i], steps[i], errors[i] = x, reach, error
+        if greatest(errors) <= LAST_ERROR:
             break
 
 
-def times_at_tau(clock: Clock, tau: Row, times: Row, powers: Row) -> None:
-    """Writes the physical times at the times ``tau`` of the flow; ``powers`` is memory for :func:`swing_and_rate`."""
+def greatest(values: Row) -> float:
+    """The greatest of some numbers, at least 0."""
+    found = 0.0
+    for value in values:
+        found = max(found, value)
+    return found
+
+
+def times_at_tau(clock: Clock, tau: Row, times: Row) -> None:
+    """Writes the physical times at the times ``tau`` of the flow."""
     (double1, double2), nu1, nu2, mean = clock.doubled, clock.pace[2], clock.pace[3], clock.pace[5]
-    for i in range(len(tau)):
+    for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(nu1 * tau[i])
         second, turn2 = whole_turns(nu2 * tau[i])
         a, b = (first + turn1 % double1) / double1, (second + turn2 % double2) / double2
-        swing, _ = swing_and_rate(clock.quiet, float(a), float(b), powers)
+        swing, _ = swing_and_rate(clock.quiet, float(a), float(b), clock.circle)
         times[i] = float(mean * (loud_swing(clock, a, b) + tau[i] + swing))
 
 
@@ -168,63 +201,32 @@ def loud_swing(clock: Clock, a: Real, b: Real) -> Real:
     return total
 
 
-def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float, float]:
-    """The x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), a slope of x + S, and the distance in turns from the point
-    of this slope to x; S is the sum of ``series``.
+def swing_and_rate(series: ClockSeries, a: Real, b: Real, inverse: Row) -> tuple[Real, Real]:
+    """(S, ``mean`` + dS/dτ) of a :class:`ClockSeries` at the phases (a, b) in turns, in floats.
 
-    Newton's method starts from the given ``x``. The error of the result is about the bound of S times the square of
-    ``near``. x + S increases with x. Where 1/g is small a Newton step may leave the bracket of the zero; then the
-    bracket is halved.
+    With z = e^{2πib}, the modes of each k are a polynomial in z, which Horner's rule evaluates.
     """
-    (nu1, nu2), bound = series.frequencies, series.bound
-    # near a resonance |S| may be many turns, but x + S varies on the scale of one turn
-    turn = 1 / (abs(nu1) + abs(nu2))
-    low, high, rate, step = -bound, bound, 1.0, 0.0
-    for _ in range(100):
-        rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, room)
-        rest += x
-        if rest > 0:
-            high = x
-        else:
-            low = x
-        step = rest / rate
-        if not low <= x - step <= high:
-            step = x - 0.5 * (low + high)
-        x -= step
-        if abs(step) <= near * min(bound, turn):
-            break
-    return x, rate, abs(step) / turn
-
-
-def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """(S, ``mean`` + dS/dτ) of a :class:`ClockSeries` at the phases (a, b) in turns. ``room`` holds two floats for each
-    m.
-    """
-    lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
-    total = len(series.parts) // 4
+    lines, total = series.lines, len(series.parts) // 4
     real, imaginary = series.parts[:total], series.parts[total : 2 * total]
     slope_real, slope_imaginary = series.parts[2 * total : 3 * total], series.parts[3 * total :]
-    x, y = cos(2 * pi * b), sin(2 * pi * b)
-    p, q = cos(2 * pi * b * least), sin(2 * pi * b * least)
-    for m in range(count):
-        room[m] = p
-        room[count + m] = q
-        p, q = p * x - q * y, p * y + q * x
-    x, y = cos(2 * pi * a), sin(2 * pi * a)
-    p, q = 1.0, 0.0
+    swing, rate, place = series.origin + 0 * a, series.mean + 0 * a, 0
+    (c, s), (x, y) = circle(a, inverse), circle(b, inverse)
+    # p + iq is e^{2πi(ka + mb)}, m = ``least`` + ``place``
+    p, q = circle(series.least * b, inverse)
     for k in range(len(lines) // 3):
         first, begin, end = lines[3 * k], lines[3 * k + 1], lines[3 * k + 2]
-        s, t, u, v = 0.0, 0.0, 0.0, 0.0
-        for m in range(end - begin):
-            c, d = room[first + m], room[count + first + m]
-            n = begin + m
-            s += real[n] * c - imaginary[n] * d
-            t += real[n] * d + imaginary[n] * c
-            u += slope_real[n] * c - slope_imaginary[n] * d
-            v += slope_real[n] * d + slope_imaginary[n] * c
-        swing += s * p - t * q
-        rate += u * p - v * q
-        p, q = p * x - q * y, p * y + q * x
+        if end > begin:
+            while place < first:
+                p, q, place = p * x - q * y, p * y + q * x, place + 1
+            while place > first:
+                p, q, place = p * x + q * y, q * x - p * y, place - 1
+            t, u, v, w = 0 * a, 0 * a, 0 * a, 0 * a
+            for n in range(end - 1, begin - 1, -1):
+                t, u = t * x - u * y + real[n], t * y + u * x + imaginary[n]
+                v, w = v * x - w * y + slope_real[n], v * y + w * x + slope_imaginary[n]
+            swing += t * p - u * q
+            rate += v * p - w * q
+        p, q = p * c - q * s, p * s + q * c
     return swing, rate
 
 

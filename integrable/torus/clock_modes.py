@@ -41,8 +41,8 @@ class Cutoffs(NamedTuple):
 class Tables(NamedTuple):
     """Working memory. ``modes`` has four numbers for each mode, ``pairs`` the (k, m) of the loud ones. Lines and parts
     are those of three :class:`~integrable.torus.clock_loops.ClockSeries`: with all modes, with the larger ones (rough),
-    and with all but the loud ones (quiet). ``counts`` has four numbers of the first series: the least m, and the
-    numbers of m, rows and modes. The same four of the rough series follow, then the number of loud modes, or −1 − n if
+    and with all but the loud ones (quiet). ``counts`` has three numbers of the first series: the least m, and the
+    numbers of rows and modes. The same three of the rough series follow, then the number of loud modes, or −1 − n if
     the n-th of ``modes`` is in resonance.
     """
 
@@ -146,25 +146,25 @@ def clock_series(
     # the rates of both phases, in periods of 1/g per unit of τ, the mean of 1/g, and 2π
     rates = nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
     resonant, bound, swing = swings(values, grid, rates, limits, tables)
-    tables.counts[8] = -1 - resonant
+    tables.counts[6] = -1 - resonant
     if resonant >= 0:
         return bound, swing, swing, bound
     rough = packed_modes(tables, grid, limits.rough, tables.rough_lines, tables.rough_parts)
     series = packed_modes(tables, grid, 0.0, tables.lines, tables.parts)
     count, rest = part_loud(values, columns, rates, limits.loud, series, tables, loud)
-    for n in range(4):
-        tables.counts[n], tables.counts[4 + n] = series[n], rough[n]
-    tables.counts[8] = count
+    for n in range(3):
+        tables.counts[n], tables.counts[3 + n] = series[n], rough[n]
+    tables.counts[6] = count
     return bound + abs(swing), -swing, -rest, float(values[0] / mean)
 
 
 def part_loud(
-    values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int, int], tables: Tables, loud: Row
+    values: Row, columns: int, rates: Row, least: float, series: tuple[int, int, int], tables: Tables, loud: Row
 ) -> tuple[int, float]:
     """Moves the modes by which τ oscillates by ``least`` or more from the quiet series to ``loud``. ``least`` is
     doubled until at most MOST_LOUD modes are moved. Returns their number, and the sum of the quiet modes at the start.
     """
-    lines, parts, total, count = tables.lines, tables.quiet_parts, series[3], MOST_LOUD + 1
+    lines, parts, total, count = tables.lines, tables.quiet_parts, series[2], MOST_LOUD + 1
     for n in range(4 * total):
         parts[n] = tables.parts[n]
     while count > MOST_LOUD:
@@ -176,7 +176,7 @@ def part_loud(
             least = 2 * least
     loud[0] = 0 * rates[3]
     count, rest = 0, 0.0
-    for k in range(series[2]):
+    for k in range(series[1]):
         for n in range(lines[3 * k + 1], lines[3 * k + 2]):
             if size_of(parts[n], parts[total + n]) < least:
                 rest += parts[n]
@@ -243,14 +243,12 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
     return -1, bound, total
 
 
-def packed_modes(
-    tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
-) -> tuple[int, int, int, int]:
+def packed_modes(tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row) -> tuple[int, int, int]:
     """Packs those modes left by :func:`swings` whose coefficient of dS/dτ exceeds ``least``, in the layout of
-    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns the least m, and the numbers of m, rows and modes.
+    :class:`~integrable.torus.clock_loops.ClockSeries`. Returns the least m, and the numbers of rows and modes.
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes
-    low, high, used, total = columns, 0, 1, 0
+    low, used, total = columns, 1, 0
     for k in range(height):
         begin, end = columns, 0
         for i in range(tables.lines[3 * k], tables.lines[3 * k + 1]):
@@ -259,9 +257,7 @@ def packed_modes(
                 begin, end = min(begin, i), i + 1
         lines[3 * k], lines[3 * k + 1] = min(begin, end), end
         if end > 0:
-            low, high, used, total = min(low, begin), max(high, end), k + 1, total + end - begin
-    if high == 0:
-        low, high = columns // 2, columns // 2 + 1
+            low, used, total = min(low, begin), k + 1, total + end - begin
     place = 0
     for k in range(used):
         begin, end = lines[3 * k], lines[3 * k + 1]
@@ -273,4 +269,4 @@ def packed_modes(
                 parts[part * total + place] = modes[n + part] if inside else 0.0
             place += 1
         lines[3 * k + 2] = place
-    return low - columns // 2, high - low, used, total
+    return low - columns // 2, used, total

@@ -19,7 +19,7 @@ from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKi
 from jacobian.native.library import Library
 
 _INTS, _FLOATS, _THREE = TupleKind((INT, INT)), TupleKind((FLOAT, FLOAT)), TupleKind((INT, INT, INT))
-_SERIES = record(ClockSeries, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
+_SERIES = record(ClockSeries, INTS, FLOATS, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
 SUMS = record(ThetaSums, WIDES, _THREE, INTS, INTS, WIDES)
 TORUS = record(Torus, SUMS, WIDES, WIDES)
 KINDS: dict[type[tuple[object, ...]], TupleKind] = {
@@ -29,7 +29,7 @@ KINDS: dict[type[tuple[object, ...]], TupleKind] = {
         record(BodyStates, TORUS, WIDES),
         record(RateSums, INT, INT, BOOL, BOOL, WIDES),
         record(Tables, FLOATS, INTS, FLOATS, INTS, FLOATS, FLOATS, INTS, INTS),
-        record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES, WIDES),
+        record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES, WIDES, FLOATS),
     )
 }
 """The compiled type of each NamedTuple of arrays."""
@@ -56,7 +56,7 @@ LOOPS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (_BODY, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), _ROOM, WIDES),
     ),
     "phases_at_times": (clock_loops.phases_at_times, (_CLOCK, FLOATS, _PHASES, _ROOM)),
-    "times_at_tau": (clock_loops.times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
+    "times_at_tau": (clock_loops.times_at_tau, (_CLOCK, FLOATS, FLOATS)),
     "spectrum": (clock_modes.spectrum_of_samples, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
     "clock_series": (
         clock_modes.clock_series,

@@ -37,7 +37,7 @@ _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 # the arguments of interpreted loops, by index, that are arrays of floats and are read only: they are passed as lists
 READ = {
     "phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "states_at_phases": (1,), "states_at_tau": (2,),
-    "states_at_times": (2,), "times_at_tau": (1, 3),
+    "states_at_times": (2,), "times_at_tau": (1,),
 }  # fmt: skip
 
 

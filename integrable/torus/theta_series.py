@@ -11,6 +11,8 @@ from functools import cache
 from math import floor, log2, pi
 from typing import NamedTuple
 
+import numpy as np
+
 from integrable.moving_point.addition import Row
 from jacobian.element import Real
 from jacobian.inexact.long_field import LongField
@@ -21,7 +23,7 @@ from jacobian.numbers.sums import joined, plus_product
 
 # for double-doubles: the bits in which 2π and 1/n! are computed, and the bits to which the series of cosine and sine,
 # with these coefficients, are truncated
-BITS, SUMMED = 200, 112
+BITS, SUMMED, SUMMED_IN_FLOATS = 200, 112, 56
 # e^(−π·DEPTH) is the truncation error of a series relative to its largest term
 DEPTH = 22.0
 
@@ -267,3 +269,9 @@ def circle_numbers(reals: BareReals, summed: int) -> list[Real]:
 def inverse_factorials() -> Row:
     """:func:`circle_numbers` in double-doubles."""
     return double_double_row(circle_numbers(BareReals(BITS), SUMMED))
+
+
+@cache
+def float_circle() -> Row:
+    """:func:`circle_numbers` in floats."""
+    return np.array([*map(float, circle_numbers(BareReals(BITS), SUMMED_IN_FLOATS))])

@@ -22,7 +22,7 @@ from integrable.torus.clock_modes import Cutoffs
 from integrable.torus.lattice import Units, beginning
 from integrable.torus.loops import CompiledLoops, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
-from integrable.torus.theta_series import half_turn
+from integrable.torus.theta_series import float_circle, half_turn
 from integrable.torus.theta_setup import FOUND, torus_periods
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -209,7 +209,7 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
         assert not len(modes)
         assert (len(packed.parts), len(rough.parts)) == (8, 4)
         for t, expected in zip(tau, swing, strict=True):
-            found, slope = swing_and_rate(packed, 0.3 * t, -0.71 * t, np.empty(2 * packed.width))
+            found, slope = swing_and_rate(packed, 0.3 * t, -0.71 * t, float_circle())
             assert 2 * found == pytest.approx(expected, abs=1e-14)
             assert 2 * slope == pytest.approx(rate(0.3 * t, -0.71 * t), abs=1e-13)
 
