@@ -27,7 +27,7 @@ from integrable.classical.toda import TodaLattice
 from integrable.deformations.equations import kind_in
 from integrable.oracles.methods import METHODS
 from integrable.scene.classical import ClassicalSystem
-from integrable.series.steps import MIDDLE, PLAIN, WIDE
+from integrable.series.steps import FINE, MIDDLE, PLAIN, WIDE
 
 BESIDE: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "Neumann on S³": (Neumann((1, 2, 4, 7)), (0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1)),
@@ -55,7 +55,7 @@ def run(smoke: bool) -> list[Row]:
 
 
 def _classical(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...]) -> Row:
-    for orders in (WIDE, MIDDLE, PLAIN):
+    for orders in (WIDE, FINE.orders, MIDDLE, PLAIN):
         system._kind.walk(orders)
     state, peer, arguments = system.state(q, p), ClassicalSystem(system), system.arguments
     unit = max(1.0, float(np.linalg.norm(q)))
@@ -76,7 +76,8 @@ def _deformed(scene: str, lengths: tuple[int, ...]) -> Row:
     """The row of a scene that is a deformation."""
     system, state = problem(scene)
     arguments = system.arguments
-    kind_in(system, True).walk(WIDE)
+    for orders in (WIDE, FINE.orders):
+        kind_in(system, True).walk(orders)
 
     def fresh() -> tuple[Any, Any]:
         made = type(system)(**arguments)

@@ -172,6 +172,9 @@ class Kind:
                 found = walk(*given, now, steps, most / walk.step_cost, tier)
                 if found.reached < 0:
                     return None
+                if found.tier == len(steps.tiers):
+                    # the last time is too far for all bounds
+                    break
                 if left is None and found.reached == len(times) and found.wrong is None:
                     return Near(None, found.states, SPARE * found.gap)
                 left = np.arange(len(times)) if left is None else left

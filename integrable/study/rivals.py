@@ -92,7 +92,7 @@ def _compile_walks(scene: Scene) -> None:
     """
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
-    from integrable.series.steps import WIDE
+    from integrable.series.steps import steps_for
 
     system, _ = scene.start(FLOAT_DIGITS)
     if isinstance(system, Hamiltonian):
@@ -100,7 +100,8 @@ def _compile_walks(scene: Scene) -> None:
     else:
         kinds = [system.system._kind] if scene.classical else []
     for kind in filter(None, kinds):
-        kind.walk(WIDE)
+        for steps in steps_for(None):
+            kind.walk(steps.orders)
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:

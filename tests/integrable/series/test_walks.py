@@ -144,9 +144,9 @@ def spiral() -> Formulas:
 def test_a_walk_is_compiled_once_a_machine(monkeypatch) -> None:
     kind = Kind("spiral", spiral())
     kind.name += f"_{Random().random()}"
-    walk = kind.walk(WIDE)
+    walk = kind.walk(FINE.orders)
     assert walk is not None
-    assert kind.walk(WIDE) is walk
+    assert kind.walk(FINE.orders) is walk
     found = walk(np.zeros(1), (1.0, 0.0), np.array([0.0, 3.0, 60.0]), FINE, 1e3)
     assert found.wrong is None
     assert off(found.states.reshape(3, 2), np.array([[math.cos(t / 3), math.sin(t / 3)] for t in (0, 3, 60)])) < 3e-16
@@ -154,11 +154,11 @@ def test_a_walk_is_compiled_once_a_machine(monkeypatch) -> None:
     monkeypatch.setattr(machine, "object_of", None)
     again = Kind("spiral", spiral())
     again.name = kind.name
-    assert again.walk(WIDE) is not None
+    assert again.walk(FINE.orders) is not None
 
 
 def test_times_that_are_not_in_order_are_not_walked_to() -> None:
-    walk = Kind("spiral", spiral()).walk(WIDE)
+    walk = Kind("spiral", spiral()).walk(FINE.orders)
     assert walk is not None
     for times in ([1.0, 0.5], [-1.0, 1.0], [1.0, -1.0], [math.nan], [0.0, math.inf]):
         assert walk(np.zeros(1), (1.0, 0.0), np.array(times), FINE, 1e3).reached == -1
@@ -167,7 +167,7 @@ def test_times_that_are_not_in_order_are_not_walked_to() -> None:
 def test_a_walk_does_not_depend_on_the_walk_before_it() -> None:
     """Walks share their working memory: one whose coefficients overflow changes no bit of the next."""
     system, state = REAL["toda"](RR, 2)
-    walk, times = system._kind.walk(WIDE), np.arange(9.0)
+    walk, times = system._kind.walk(FINE.orders), np.arange(9.0)
     constants, start = system.flow(state)._walk_given
     first = walk(constants, start, times, FINE, 1e3)
     assert walk(constants, [1e200 * x for x in start], times, FINE, 1e3).reached == 0
@@ -177,7 +177,7 @@ def test_a_walk_does_not_depend_on_the_walk_before_it() -> None:
 
 def test_the_compiled_loop_is_the_readable_one() -> None:
     system, state = REAL["toda"](RR, 2)
-    walk = system._kind.walk(WIDE)
+    walk = system._kind.walk(FINE.orders)
     times = np.array([0.25, 0.5, 2.0, 2.0, 7.0])
     found = []
     for loop in (by_the_readable_loop, LIBRARY.walked):
@@ -349,11 +349,11 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
 
 
 def test_no_torus_is_made_for_times_that_several_walks_reach() -> None:
-    """Steps in floats reach a quarter of these times, others the rest: the torus of genus 3, of 62 ms, was made too."""
+    """Steps in floats reached a quarter of these times, others the rest: the torus of genus 3, of 62 ms, was made too."""
     system, state = Neumann((1, 2, 4, 7)), Point((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
     flow = system.flow(state, tolerance=1e-12)
     near = flow._near(np.linspace(0, 100, 101))
-    assert sorted(near.places) == list(range(101))
+    assert near.places is None
     assert "_torus" not in vars(flow)
 
 
@@ -366,7 +366,7 @@ def test_the_rounding_error_of_a_zero_is_no_time_scale() -> None:
         (-0.999999444807108, -0.001053748298065717, 0.0), (13.229814643537456, -12554.99754801343, 0.0)
     )
     given, times = system.flow(state)._walk_given, np.array([1e-11, 2e-10])
-    found = system._kind.walk(WIDE)(*given, times, FINE, 1e3)
+    found = system._kind.walk(FINE.orders)(*given, times, FINE, 1e3)
     assert (found.reached, found.wrong) == (2, None)
     true = states_of(system._kind, *given, times)
     assert off(found.states, np.reshape(true, found.states.shape)) <= 2.0**-52
@@ -376,7 +376,7 @@ def test_barriers_of_nothing_are_none() -> None:
     """They used to be terms 0/q_1², so that a walk from q_1 = 0 could not begin."""
     system = HenonHeiles((1.0,), -0.5, -0.25)
     state = system.state((0.05, 0.0), (0.01, 0.02))
-    walk, times = system._kind.walk(WIDE), np.linspace(0, 10, 11)
+    walk, times = system._kind.walk(FINE.orders), np.linspace(0, 10, 11)
     found = walk(*system.flow(state)._walk_given, times, FINE, 1e4)
     assert (found.reached, found.wrong) == (11, None)
     K = MP(30)
