@@ -8,21 +8,60 @@ doubles the digits. A set-up takes some tens of milliseconds, a time some tens o
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from integrable.mumford.columns import Column, Columns
 from integrable.portrait.separated import SeparatedTorus
+from integrable.torus import compiled
 from integrable.torus.clock import FarTimes
-from integrable.torus.compiled import LIBRARY
-from integrable.torus.theta_series import inverse_factorials
+from integrable.torus.theta_series import circle, inverse_factorials
 from jacobian.element import Real
+from jacobian.native.kinds import FLOATS, INTS, WIDES, record
+from jacobian.native.library import Library, Packed
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import double_double_row
 
 # high modes below NEGLIGIBLE times the largest mode are omitted
 NEGLIGIBLE = 1e-34
 HalfAngles = list[tuple[Column, Column]]
+Row = np.ndarray
+
+
+class FormSums(NamedTuple):
+    """The means and the sine series of forms on ovals: ``means`` for each oval and form. ``waves`` has a row of all
+    forms for each mode, in descending order, from row ``begins``[k] to ``begins``[k + 1] for oval k. ``inverse`` is
+    :func:`integrable.torus.theta_series.inverse_factorials`.
+    """
+
+    means: Row
+    waves: Row
+    begins: Row
+    inverse: Row
+
+
+def put_sums(forms: FormSums, angles: Row, rest: Row, sines: Row, cosines: Row, sums: Row) -> None:
+    """Adds to ``sums``, for each form, its integrals up to the ``angles`` φ of the points, minus the parts that are
+    linear in the phases. Also writes sin ½φ and cos ½φ. This source is compiled unchanged.
+
+    The N angles of one oval are adjacent, as are the phases ``rest`` in turns and the N sums of one form.
+    """
+    genus, turn = len(forms.begins) - 1, forms.inverse[0]
+    count, width = len(angles) // genus, len(forms.means) // genus
+    for k in range(genus):
+        for i in abreast(0, count):
+            place = k * count + i
+            c, s = circle(angles[place] / (2 * turn), forms.inverse)
+            sines[place], cosines[place] = s, c
+            twice, sine, linear = 2 * (c * c - s * s), 2 * s * c, angles[place] - turn * rest[place]
+            for j in range(width):
+                last, now = 0 * c, 0 * c
+                # Clenshaw's recurrence
+                for n in range(forms.begins[k], forms.begins[k + 1]):
+                    last, now = now, forms.waves[n * width + j] + twice * now - last
+                sums[j * count + i] += forms.means[k * width + j] * linear + sine * now
 
 
 class PhaseTorus(FarTimes):
@@ -38,7 +77,12 @@ class PhaseTorus(FarTimes):
         self._genus, self._round = len(torus.ovals), Column(*inverse_factorials()[0])
         self._frequencies, self._places = [*map(Column.of, torus.frequencies)], [*map(Column.of, torus.phases)]
         self.paces = [float(x) for x in torus.frequencies if x]
-        self._means, self._waves = [*map(_columns, torus.means)], [*map(_waves, torus.waves)]
+        waves = [*map(_waves, torus.waves)]
+        rows = [double_double_row(row) for rows in (torus.means, *waves) for row in rows]
+        begins, width = np.cumsum([0, *map(len, waves)]), len(torus.forms)
+        means, series = (np.concatenate(x) for x in (rows[: self._genus], rows[self._genus :]))
+        self._sums = Packed(FormSums(means, series, begins, inverse_factorials()), FORM_SUMS)
+        self._width = width
         self._begin = [*map(Column.of, torus.swings_at_start)]
 
     def at(self, times: np.ndarray) -> Any:
@@ -48,9 +92,8 @@ class PhaseTorus(FarTimes):
         whole = [np.rint(x.hi) for x in phases]
         rest = [x - Column(n) for x, n in zip(phases, whole, strict=True)]
         angles = self._floats.at(np.stack([x.hi for x in rest[: self._genus]], axis=1))
-        halves = [circles(phi / 2) for phi in angles.T]
-        sums = self._sums(angles, halves, rest)
-        late = np.linalg.solve(self._floats.slopes(angles), sums.hi[: self._genus].T[:, :, None])[:, :, 0].T
+        halves, sums = self._summed(angles, rest)
+        late = np.linalg.solve(self._floats.sums(angles)[1], sums.hi[: self._genus].T[:, :, None])[:, :, 0].T
         moved = []
         for (s, c), x in zip(halves, late / 2, strict=True):
             near = Column(1.0) - Column(x) * Column(x) / 2
@@ -64,19 +107,17 @@ class PhaseTorus(FarTimes):
         signs = [Column(1 - 2 * (n % 2)) for n in whole]
         return self._read([(sign * s, sign * c) for sign, (s, c) in zip(signs, moved, strict=False)], turned)
 
-    def _sums(self, angles: np.ndarray, halves: HalfAngles, rest: Sequence[Column]) -> Column:
-        """For each form, the sum over the points of its integrals up to the ``angles``, minus the part that is linear
-        in the phases: shape (forms, N).
-        """
-        total = Column(0.0)
-        for phi, (s, c), x, mean, waves in zip(angles.T, halves, rest, self._means, self._waves, strict=False):
-            twice, sine = 2 * (c * c - s * s), 2 * s * c
-            last, now = Column(0.0), Column(0.0)
-            # Clenshaw's recurrence, for all forms at once
-            for row in waves:
-                last, now = now, row + twice * now - last
-            total = total + mean * (Column(phi) - self._round * x) + sine * now
-        return total
+    def _summed(self, angles: np.ndarray, rest: Sequence[Column]) -> tuple[HalfAngles, Column]:
+        """(sin ½φ, cos ½φ) of each point, and the sums of :func:`put_sums`, shape (forms, N)."""
+        count = len(angles)
+        turns = np.concatenate([np.stack((x.hi, x.lo), axis=1) for x in rest[: self._genus]])
+        halves, sums = np.empty((2, self._genus * count, 2)), np.zeros((self._width * count, 2))
+        LIBRARY.put_sums(self._sums, np.ascontiguousarray(angles.T).reshape(-1), turns, *halves, sums)
+        sines, cosines = (np.ascontiguousarray(part.T).reshape(2, self._genus, count) for part in halves)
+        found = [
+            (Column(*x), Column(*y)) for x, y in zip(*(p.transpose(1, 0, 2) for p in (sines, cosines)), strict=True)
+        ]
+        return found, Column(*np.ascontiguousarray(sums.T).reshape(2, self._width, count))
 
     def _of_poles(self, j: int, halves: HalfAngles) -> Column:
         """The terms of the sum of form j that come from poles of the form."""
@@ -92,7 +133,7 @@ class PhaseTorus(FarTimes):
         return total
 
     def _moved(self, j: int, angles: np.ndarray, late: np.ndarray) -> np.ndarray:
-        """The first-order change of :meth:`_sums` for form j, without the terms of :meth:`_of_poles`, if the angles
+        """The first-order change of the sum of form j, without the terms of :meth:`_of_poles`, if the angles
         change by ``late``.
         """
         K, found = Columns(), np.zeros(len(angles))
@@ -108,22 +149,20 @@ class PhaseTorus(FarTimes):
         return found
 
 
-def _columns(values: Sequence[Real]) -> Column:
-    """Long numbers as one column, shape (n, 1)."""
-    high, low = double_double_row(values).T
-    return Column(high[:, None], low[:, None])
-
-
-def _waves(rows: Sequence[Sequence[Real]]) -> list[Column]:
+def _waves(rows: Sequence[Sequence[Real]]) -> list[list[Real]]:
     """The Fourier modes of all forms on one oval in descending order, without the negligible high ones."""
     sizes = np.abs(np.array([[float(x) for x in row] for row in rows]))
     kept = np.flatnonzero((sizes > NEGLIGIBLE * sizes.max(initial=0)).any(axis=0))
-    return [_columns([row[n] for row in rows]) for n in range(int(kept.max(initial=0)), -1, -1)]
+    return [[row[n] for row in rows] for n in range(int(kept.max(initial=0)), -1, -1)]
 
 
 def circles(angles: np.ndarray) -> tuple[Column, Column]:
     """sin and cos in double-doubles."""
     given, out = np.ascontiguousarray(angles, dtype=np.float64), np.empty((2, len(angles), 2))
-    LIBRARY.circle_points(given, inverse_factorials(), out[0], out[1])
+    compiled.LIBRARY.circle_points(given, inverse_factorials(), out[0], out[1])
     cosines, sines = (Column(*np.ascontiguousarray(part.T)) for part in out)
     return sines, cosines
+
+
+FORM_SUMS = record(FormSums, WIDES, WIDES, INTS, WIDES)
+LIBRARY = Library("phases", {"put_sums": (put_sums, (FORM_SUMS, FLOATS, *(WIDES,) * 4))}, SPECIAL)

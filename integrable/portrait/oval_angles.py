@@ -52,7 +52,7 @@ class OvalAngles(NamedTuple):
 
         def late(phases: Array) -> Array:
             angles = np.insert(rest._at(phases[:, others]), oval, 2 * np.pi * phases[:, oval], axis=1)
-            found: Array = (self._sums(angles) - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
+            found: Array = (self.sums(angles)[0] - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
             return found
 
         return self._in_parts(late, phases)
@@ -62,11 +62,11 @@ class OvalAngles(NamedTuple):
         return np.concatenate([function(phases[begin : begin + size]) for begin in range(0, len(phases), size)])
 
     def _at(self, phases: Array) -> Array:
-        angles = 2 * np.pi * phases
-        gaps, left = self._gaps(angles, phases), np.arange(len(phases))
+        angles, left = 2 * np.pi * phases, np.arange(len(phases))
+        gaps, slopes = self._gaps(angles, phases)
         for _ in range(MOST_STEPS):
             wanted = gaps[left] @ (2 * np.pi * self.means)
-            steps = np.linalg.solve(self.slopes(angles[left]), wanted[:, :, None])[:, :, 0]
+            steps = np.linalg.solve(slopes[left], wanted[:, :, None])[:, :, 0]
             angles[left] -= steps
             far = np.abs(steps).max(axis=1, initial=0) >= LAST
             left, steps = left[far], steps[far]
@@ -75,7 +75,7 @@ class OvalAngles(NamedTuple):
             size, worse = np.maximum(np.abs(gaps[left]).max(axis=1), ROUNDED), np.arange(len(left))
             for _ in range(MOST_HALVINGS):
                 rows = left[worse]
-                gaps[rows] = self._gaps(angles[rows], phases[rows])
+                gaps[rows], slopes[rows] = self._gaps(angles[rows], phases[rows])
                 worse = worse[np.abs(gaps[rows]).max(axis=1) > size[worse]]
                 if not len(worse):
                     break
@@ -83,20 +83,16 @@ class OvalAngles(NamedTuple):
                 angles[left[worse]] += steps[worse]
         raise PrecisionLoss("the angles of the points at these phases were not found in floats")
 
-    def _gaps(self, angles: Array, phases: Array) -> Array:
-        found: Array = np.linalg.solve(2 * np.pi * self.means.T, self._sums(angles).T).T - phases
-        return found
+    def _gaps(self, angles: Array, phases: Array) -> tuple[Array, Array]:
+        sums, slopes = self.sums(angles)
+        return np.linalg.solve(2 * np.pi * self.means.T, sums.T).T - phases, slopes
 
-    def _sums(self, angles: Array) -> Array:
-        sums: Array = angles @ self.means
-        for phi, waves in zip(angles.T, self.waves, strict=True):
-            sums += np.sin(np.outer(phi, np.arange(1, len(waves) + 1))) @ waves
-        return sums
-
-    def slopes(self, angles: Array) -> Array:
-        """The derivatives of the sums with respect to the angles, shape (N, forms, ovals)."""
-        columns = [np.zeros((len(angles), len(self.means), 0))]
-        for phi, mean, waves in zip(angles.T, self.means, self.waves, strict=True):
-            n = np.arange(1, len(waves) + 1)
-            columns.append((mean + np.cos(np.outer(phi, n)) @ (n[:, None] * waves))[:, :, None])
-        return np.concatenate(columns, axis=2)
+    def sums(self, angles: Array) -> tuple[Array, Array]:
+        """The sums, (N, forms), and their derivatives with respect to the angles, (N, forms, ovals)."""
+        sums, slopes = angles @ self.means, np.repeat(self.means.T[None], len(angles), axis=0)
+        for k, waves in enumerate(self.waves):
+            count = len(waves)
+            modes = np.cumprod(np.repeat(np.exp(1j * angles[:, k : k + 1]), count, axis=1), axis=1)
+            sums += modes.imag @ waves
+            slopes[:, :, k] += modes.real @ (np.arange(1, count + 1)[:, None] * waves)
+        return sums, slopes
