@@ -5,6 +5,11 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+# on a busy machine one example may take any time
+settings.register_profile("without deadline", settings(), deadline=None)
+settings.load_profile("without deadline")
 
 
 @pytest.hookimpl(optionalhook=True)

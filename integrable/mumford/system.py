@@ -388,7 +388,8 @@ class MumfordSystem(Made):
     @property
     def _walk_constants(self) -> tuple[float, ...]:
         """The constants and parameters of a system over RR; the final 0 keeps the tuple from being empty."""
-        return *self.constants, *self.parameters, 0.0
+        found: tuple[Any, ...] = (*self.constants, *self.parameters, 0.0)
+        return found
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), at any times.

@@ -232,7 +232,7 @@ class TorusClock:
         return times
 
     def _room(self, count: int) -> ClockRoom:
-        return ClockRoom(*np.empty((5, count)), self._loops.room(count))
+        return ClockRoom._make([*np.empty((5, count)), self._loops.room(count)])
 
 
 def series_between(

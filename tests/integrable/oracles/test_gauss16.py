@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
 
@@ -173,7 +173,6 @@ moderate = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)
 
 
 # the first call compiles
-@settings(deadline=None)
 @given(moderate, moderate)
 def test_sums_and_products_are_exact(a, b):
     (s, e), (p, r) = _exact(a, b)
@@ -182,7 +181,6 @@ def test_sums_and_products_are_exact(a, b):
     assert Fraction(p) + Fraction(r) == Fraction(a) * Fraction(b)
 
 
-@settings(deadline=None)
 @given(st.floats(1e-3, 1e7), st.floats(1e-3, 10))
 def test_whole_steps(time, step):
     count, rest = _whole(time, step)

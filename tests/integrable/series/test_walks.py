@@ -349,7 +349,7 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
 
 
 def test_no_torus_is_made_for_times_that_several_walks_reach() -> None:
-    """Steps in floats reached a quarter of these times, others the rest: the torus of genus 3, of 62 ms, was made too."""
+    """Steps in floats reached a quarter of these times, others the rest; a torus of genus 3, of 62 ms, was made too."""
     system, state = Neumann((1, 2, 4, 7)), Point((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
     flow = system.flow(state, tolerance=1e-12)
     near = flow._near(np.linspace(0, 100, 101))

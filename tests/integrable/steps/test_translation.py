@@ -120,7 +120,7 @@ def _doubled_step(system, state, rng):
 
 
 @given(seed=st.integers(0, 10**9))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_a_step_preserves_the_integrals(seed) -> None:
     rng = Random(seed)
     ball = ChaplyginBall(

@@ -133,7 +133,7 @@ KERNELS = {
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", KERNELS)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))
 def test_multiples_add_up(name, seed, m, n):
     C = KERNELS[name].arithmetic_model

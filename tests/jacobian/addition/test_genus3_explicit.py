@@ -105,7 +105,7 @@ CURVES = {(p, curve): curve(p, "walk") for p in PRIMES for curve in (septic, oct
 
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize(("p", "curve"), CURVES)
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))
 def test_sums_and_multiples(p, curve, seed, m, n):
     C = CURVES[p, curve]

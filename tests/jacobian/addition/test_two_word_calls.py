@@ -92,7 +92,7 @@ CURVES = {f"{name}, {model}": short_curve(K, model, "walk") for name, K in LONG.
 
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", CURVES)
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))
 def test_sums_and_multiples(name, seed, m, n):
     C = CURVES[name]

@@ -181,7 +181,7 @@ POOL = special_classes(SPECIAL)
 NUMBERS = st.integers(0, len(POOL) - 1)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=600), st.integers(0, 20))
 def test_mixes_of_special_rows(pairs, repeat):
     pairs = pairs + [pairs[0]] * repeat

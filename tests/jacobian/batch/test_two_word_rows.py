@@ -96,7 +96,7 @@ GROUPS = {f"{name}, {model}": group(K, model) for name, K in list(LONG.items())[
 
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", GROUPS)
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=5)
 @given(seed=st.integers(0, 2**32), count=st.integers(1, 530), m=st.integers(-(2**130), 2**130))
 def test_mixes_of_special_rows(name, seed, count, m):
     J, rng = GROUPS[name], Random(seed)

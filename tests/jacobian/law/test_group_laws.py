@@ -112,7 +112,7 @@ def test_order_annihilates_over_larger_fields(row, rng):
 coefficients = st.lists(st.tuples(st.integers(0, 5), st.integers(-9, 9)), max_size=4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(row=st.sampled_from([row for row in ROWS if row.K != QQ]), terms=coefficients, others=coefficients)
 def test_linear_combinations_do_not_depend_on_the_order(row: Row, terms, others):
     J = row.curve.jacobian()
@@ -127,7 +127,7 @@ def test_linear_combinations_do_not_depend_on_the_order(row: Row, terms, others)
     assert total(terms) - total(others) == total(terms + [(index, -m) for index, m in others])
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     row=st.sampled_from([row for row in ROWS if row.K != QQ]),
     ms=st.lists(st.integers(-(10**12), 10**12), min_size=2, max_size=4),

@@ -56,7 +56,7 @@ PRODUCT = Library("test_binary_product", {"product": (product_of_words, (LONG, L
 
 @pytest.mark.thinned(4)
 @pytest.mark.parametrize("modulus", MODULI, ids=hex)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(elements=st.tuples(*[ELEMENT] * 4))
 @example(elements=(-1, -1, -1, -1))
 def test_operations(modulus, elements):
@@ -84,7 +84,7 @@ def test_operations(modulus, elements):
     assert K.from_word(encoded) == x[0]
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(x=WORD, y=WORD)
 @example(x=2**64 - 1, y=2**64 - 1)
 def test_products_of_words(x, y):

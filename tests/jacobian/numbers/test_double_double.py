@@ -168,7 +168,7 @@ parts = st.floats(min_value=1e-60, max_value=1e60) | st.floats(min_value=-1e60, 
 pairs = st.builds(lambda high, part: normalized(high, high * part * 2.0**-53), parts, st.floats(-1, 1))
 
 
-@settings(deadline=None, max_examples=100)
+@settings(max_examples=100)
 @given(st.lists(st.tuples(pairs, pairs, parts), min_size=1, max_size=4))
 def test_any_numbers(triples):
     check(triples)
@@ -232,7 +232,6 @@ def test_split(x, expected):
     assert double_double.split(x) == expected
 
 
-@settings(deadline=None)
 @given(st.fractions(-(10**9), 10**9))
 def test_split_is_the_nearest(x):
     high, low = double_double.split(x)

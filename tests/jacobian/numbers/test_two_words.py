@@ -48,7 +48,7 @@ COMPILED = Library(
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize("p", PRIMES)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(elements=ELEMENTS)
 @example(elements=(-1, -1, -1, -1))
 def test_operations(p, elements):

@@ -3,7 +3,7 @@
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from jacobian import ArgumentError
@@ -136,7 +136,6 @@ def test_inverses_and_codes(p):
     assert COMPILED[type(K)].coded(K, 0, 0) == (0, 0)
 
 
-@settings(deadline=None)
 @given(st.data())
 def test_modular_inverse(data):
     p = data.draw(st.sampled_from([primes[-1] for primes in PRIMES.values()]))

@@ -106,7 +106,7 @@ GROUPS = {model: random_curve(GF(2**127 - 1), 2, "ladder", model=model).jacobian
 
 
 @pytest.mark.parametrize("model", MODELS)
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(seed=st.integers(0, 2**32), m=st.integers(-(2**260), 2**260), n=st.integers(0, 2**130))
 def test_ladders(model, seed, m, n):
     J = GROUPS[model]
