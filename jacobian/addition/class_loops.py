@@ -41,7 +41,7 @@ def double_of(K: Any, C: Any, first: Any) -> Any:
 
 
 def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
-    """Finishes :func:`sum_of` or :func:`double_of` from the result of ``chord`` or ``tangent``."""
+    """The result of :func:`sum_of` or :func:`double_of`, from the quotient that ``chord`` or ``tangent`` returned."""
     multiple = K.canonical(STEPS[type(C)].product(K, C, quotient))
     if multiple == 0:
         return False, first
@@ -49,8 +49,8 @@ def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any
 
 
 def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
-    """Returns (u, v, valid): the class ``found``, with u and v as residues, and whether it is correct and v has degree
-    g − 1. ``general``: whether the formulas applied.
+    """Returns (u, v, valid): u and v are the class ``found`` as residues; ``valid`` says whether the formulas applied
+    (``general``) and v has degree g − 1.
     """
     u, v = STEPS[type(C)].decoded(K, C, found)
     return u, v, general and v[len(v) - 1] != 0

@@ -45,8 +45,8 @@ class OnInts:
         return f"{text(x, SUM)} {SIGNS[name]} {text(y, SUM if name == 'add' else PRODUCT)}", SUM
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text ``found`` for use as a factor or a ``result``. It gets a % p, except as a factor in which no product
-        is left unreduced (degree 1).
+        """The text ``found`` for use as a factor, or as a result if ``result``. "% p" is appended to all texts but
+        those of factors that contain no unreduced product (degree 1).
         """
         if self.degrees.get(index, 1) == 1 and not result:
             return found
@@ -152,8 +152,8 @@ def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) 
     """The text of a function ``made``, which returns two functions (sum_of, double) of one curve. Both are methods:
     their first parameter is ``self``.
 
-    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The arguments of ``made`` are the
-    curve, the weight of the results, what the style needs, and the other coefficients.
+    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The parameters of ``made`` are
+    the curve, the weight of the results, those in ``style.needs``, and the other coefficients.
     """
     table = {"characteristic": 0, **dict(known)}
     unknown = [name for name in formulas.coefficients if name not in table]

@@ -3,7 +3,7 @@
 :func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions. A
 sum of up to four products is reduced once. The writer bounds all numbers, in units of p, for words with and without
 spare bits, and for floats. It reduces a number where an operation would exceed its bound. Binary fields and
-fields with tables need no such reductions; tables of odd characteristic run the code for primes.
+fields with tables need no such reductions, but fields with tables of odd characteristic run the code for primes.
 """
 
 from __future__ import annotations

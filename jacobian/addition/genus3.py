@@ -136,7 +136,7 @@ def sum_v(C: Any, u: Triple, middle: Four) -> Triple:
 
 
 def quartic(C: Any, meeting: Four, middle: Four) -> Four:
-    """The coefficients of c·u' − v' below c·x⁴."""
+    """The coefficients of c·u' − v' below c·x⁴, where c is the leading coefficient of y at ∞₊."""
     w3, w2, w1, w0 = (k + C.c * e for k, e in zip(middle, meeting, strict=True))
     return w3, w2, w1, w0
 

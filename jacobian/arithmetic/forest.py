@@ -58,8 +58,8 @@ def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
 
 
 class Tree(NamedTuple):
-    """The results of a tree: ``windows``, that at the beginning of each block modulo the product of the block's primes,
-    and ``behind``, the window at the end of the last block modulo the product of all later primes.
+    """The results of a tree: ``windows`` has the window at the beginning of each block, modulo the product of the
+    block's primes; ``behind`` is the window at the end of the last block, modulo the product of all later primes.
     """
 
     windows: list[list[Any]]
@@ -138,7 +138,7 @@ def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
 
 
 def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
-    """The windows at the beginnings of the blocks, modulo their moduli, from that at the beginning of the tree."""
+    """The window at the beginning of each block, modulo the block's primes, from that at the beginning of the tree."""
     above = [window]
     for level in range(len(modules) - 2, -1, -1):
         here = []

@@ -67,7 +67,7 @@ class Place(NamedTuple):
 
 
 class Part(NamedTuple):
-    """The ``matrices`` W of the primes ``first`` … ``last`` − 1, (n, g, g), and the place to resume from."""
+    """The ``matrices`` W, (n, g, g), of the primes number ``first`` … ``last`` − 1, and the place to resume from."""
 
     first: int
     last: int

@@ -58,8 +58,8 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group, and the ``probability`` of means at least as far from the expected ones as those of the curve, if this
-    is the curve's group.
+    """A group, and the ``probability`` that χ² is at least as large as for the curve, if this is the curve's group. χ²
+    measures how far means over the primes, such as that of a_1², are from their expected values.
 
     ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """

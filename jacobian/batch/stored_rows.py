@@ -307,7 +307,7 @@ class StoredRows:
             out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """Row i of part choice[i], for each i. ``stacked`` is (data, degree, weight), each an array over all parts."""
+        """Row i of the part number choice[i], for each i. ``stacked`` = (data, degree, weight) holds all parts."""
         out = self.empty(len(choice))
         (data, *others), (x, *rest) = stacked, out
         self._run.select_rows((self.bits(data), *others), choice, (self.bits(x), *rest))

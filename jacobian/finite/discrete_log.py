@@ -35,9 +35,9 @@ def discrete_log(
     """An m with m·base = target; NotAMultiple if there is none.
 
     With ``interval`` = (low, high) an m in low … high is searched for by baby steps and giant steps up to a width of
-    2^32, by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a
-    time. ``order``: a multiple of the order of ``base``, by default #J; ``primes``: its prime factors, by default
-    computed. Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
+    2^32, by kangaroos up to 2^48; no order is needed. Without an interval, m is the least non-negative one, found one
+    prime at a time. ``order``: a multiple of the order of ``base``, by default #J; ``primes``: its prime factors, by
+    default computed. Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
     """
     if target.jacobian != base.jacobian:
         raise CurveMismatch(f"base and target lie on two curves: {base.jacobian.curve!r} and {target.jacobian.curve!r}")

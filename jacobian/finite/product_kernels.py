@@ -20,8 +20,8 @@ BLOCK = 64
 
 
 class Room(NamedTuple):
-    """Scratch memory of a loop over blocks of points, for d × d matrices: arrays of BLOCK, d·BLOCK, and twice d²·BLOCK
-    numbers.
+    """Scratch memory of a loop over blocks of points, for d × d matrices: arrays of BLOCK and d·BLOCK numbers, and
+    two of d²·BLOCK.
     """
 
     k: Any
