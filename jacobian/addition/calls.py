@@ -178,7 +178,7 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel | ExplicitKernel:
 
 
 def is_kept(C: HyperellipticCurve, two_words: bool) -> bool:
-    """Whether the compiled loops for C are on disk; ``two_words`` selects :func:`two_word_context`."""
+    """Whether the compiled loops for C are on disk, those of :func:`two_word_context` if ``two_words``."""
     K: Any = (two_word_context if two_words else context)(C.field)
     equation: Any = short_equation(C, K.to_word) or Plain()
     return library(K.__class__, equation.__class__).is_kept()

@@ -137,9 +137,9 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
     """Another triple of the class of (u, v, n): u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
-    Its points are the opposites of the zeros of y − v outside div(u, v). Let a₊ and a₋ be the orders of the poles of
-    y − v at ∞₊ and ∞₋. Then div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. An order is max(deg v, g+1)
-    unless v and y agree in their leading terms at this point; then it follows from a₊ + a₋ = deg u + deg u'.
+    The points of div(u', v') are the opposites of the zeros of y − v outside div(u, v). Let a₊ and a₋ be the orders of
+    the poles of y − v at ∞₊ and ∞₋. Then div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. An order is
+    max(deg v, g+1) unless v and y have the same leading term there; then it follows from a₊ + a₋ = deg u + deg u'.
     """
     K = C.field
     sum_ = add(K, v, C.h)

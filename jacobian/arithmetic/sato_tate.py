@@ -234,7 +234,7 @@ def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
 
 @cache
 def _expected(genus: int, name: str) -> tuple[Any, Any]:
-    """The means and the covariances of the compared quantities in a group."""
+    """The means and the covariances of the quantities of :func:`_compared` in a group."""
     parts = groups(genus)[name]
     rows = []
     for x in parts:
