@@ -213,7 +213,7 @@ def moment(parts: list[Part], i: int, j: int = 0) -> float:
 
 
 def moments_of_groups(most: int = 8) -> dict[str, list[int]]:
-    """M[a_1²], M[a_1⁴], …, M[a_1^most] and M[a_2], …, M[a_2^(most/2)] of all groups of genus 2, which are integers."""
+    """The means of a_1², a_1⁴, …, a_1^most and a_2, …, a_2^(most/2) for each group of genus 2. They are integers."""
     powers = [(i, 0) for i in range(2, most + 1, 2)] + [(0, j) for j in range(1, most // 2 + 1)]
     return {name: [round(moment(parts, *e)) for e in powers] for name, parts in groups(2).items()}
 

@@ -29,8 +29,8 @@ OPPOSITE = 2.0**-30
 # This coefficient must exceed FLATTEST in genus2_complex. In genus2_real it is l1², and |l1| must exceed FLATTEST_CHORD
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# f at the smallest abscissa of the summands, and its leading term at the largest one, must be at least this fraction of
-# f at the largest one; then 21 of 53 bits remain
+# f at the smallest abscissa of the summands, and the leading term of f at the largest abscissa, must both be at least
+# this fraction of f at the largest abscissa; then 21 of 53 bits remain
 EVEN = 2.0**-32
 TINY = 1e-300
 

@@ -56,7 +56,7 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
 
 
 def _repeated(pattern: list[bool], bound: int) -> int:
-    """An int of 2·bound + 1 bits, the pattern repeated."""
+    """The int of 2·bound + 1 bits whose bit i is ``pattern`` at i modulo its length."""
     size, count = len(pattern), 2 * bound // len(pattern) + 1
     once = sum(1 << i for i, bit in enumerate(pattern) if bit)
     every = ((1 << size * count) - 1) // ((1 << size) - 1)

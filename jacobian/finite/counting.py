@@ -116,7 +116,7 @@ def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
 def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
     """The number Σ (1 + χ(h² + 4f)) of affine points over GF(p^degree), χ being the quadratic character.
 
-    The elements are a list of ascending coefficients, each an array, and χ is computed from the norm to GF(p).
+    Many elements are one list of ascending coefficients, each an array. χ is computed from the norm to GF(p).
     """
     import numpy as np
 

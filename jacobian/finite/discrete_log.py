@@ -142,7 +142,7 @@ def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Rng) -> int
     mean = isqrt(width) // 2 + 1
     lengths = [1 + random_below(rng, 2 * mean) for _ in range(32)]
     jumps = [length * base for length in lengths]
-    # one class in √width/64 to √width/32 is distinguished, so some hundred of the 2√width visited ones become traps
+    # one class in √width/64 to √width/32 is distinguished, so about 100 of the 2√width visited classes become traps
     mask = (1 << max(0, mean.bit_length() - 5)) - 1
     start = low + width // 2 + random_below(rng, mean)
     positions, distances = [start * base, target], [start, 0]

@@ -197,11 +197,11 @@ class Side:
 def search(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius of C, ascending.
 
-    Counting takes O(q) operations, the matrix O(g·p), or Õ(√p) from p = 2^20 on, and the search the square root of the
-    number of candidates. Together they take seconds for prime fields up to 10^9 in genus 2 and 3 and up to 10^3 in
-    genus 4, and half a minute at 10^12 in genus 2. In genus 1 there is only the search, O(q^(1/4)) over any field
-    (Mestre's method, Schoof 1995). Infeasible from genus 2 on for prime q above 2^49 and other q above 2^20, and where
-    more than 10^12 candidates are left.
+    Counting takes O(q) operations. The Cartier–Manin matrix takes O(g·p), or Õ(√p) from p = 2^20 on, and the search the
+    square root of the number of candidates. Together they take seconds for prime fields up to 10^9 in genus 2 and 3
+    and up to 10^3 in genus 4, and half a minute at 10^12 in genus 2. In genus 1 there is only the search, O(q^(1/4))
+    over any field (Mestre's method, Schoof 1995). Infeasible from genus 2 on for prime q above 2^49 and other q above
+    2^20, and where more than 10^12 candidates are left.
     """
     candidates = _candidates(C)
     rng = Random(0)
