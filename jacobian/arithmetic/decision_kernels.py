@@ -183,7 +183,7 @@ def found_step(desk: Any, place: Any, size: int) -> int:
 
 
 def sift(K: Any, sign: int, count: int, desk: Any) -> int:
-    """Number of candidates (s, t) for which the group's order annihilates D; moves them to the front of ``found``."""
+    """The number of candidates (s, t) whose group order annihilates D; moves them to the front of ``found``."""
     g, classes, found, left = desk.curve[0], desk.classes, desk.found, 0
     place, other = classes[6], classes[7]
     for n in range(count):

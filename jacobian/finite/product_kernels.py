@@ -173,7 +173,7 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
-    """Multiplies ``window`` by the matrix ``values`` of iβ, then M((i + 1)β), for ``points`` indices i ≥ ``first``."""
+    """Multiplies ``window`` by iβ's matrix in ``values``, then M((i + 1)β), for ``points`` indices i ≥ ``first``."""
     d = c.shape[1]
     for i in range(points):
         for r in range(d):
