@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# a p that is smaller than U has lost digits by cancellation: the returned remainder is at least ε|U|/(FEWER·|p|)
+# if p = q·V + U·L is smaller than U, its terms cancel: the remainder of :func:`compose` is at least ε|U|/(FEWER·|p|)
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -164,9 +164,8 @@ def _monic_quotient(
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
     """The change of the lean (:class:`Total`) by a function y − w that vanishes at infinity.
 
-    ``lead`` is the leading coefficient of w.
-
-    ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
+    ``lead`` is the leading coefficient of w. ``psi`` is proportional to w² − f, whose leading coefficients are zero;
+    they are removed from ``psi``.
     """
     if plus is None:
         raise NotRepresentable(_AT_INFINITY)

@@ -1,7 +1,7 @@
 """Uniform random divisor classes, and lists of all classes, over finite fields.
 
 Each class has exactly one reduced triple (u, v, n). For a given u = Π P^e, P irreducible, the number of v is a product
-over the P. Its factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
+over the P. The factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
 rejection gives a uniform class: draw the degree d of u with weight (2q)^d times the number of n, draw u uniformly among
 the monic polynomials of degree d, and keep u with probability (number of v)/2^d. Sums of rational points may reach only
 a subgroup.

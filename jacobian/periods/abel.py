@@ -61,8 +61,6 @@ class AbelMap(AbelImage):
         image = self.periods.reduce(self._image_of(self._points_of(D), self._weight_of(D)))
         return tuple(self.field.coerce(x) for x in image)
 
-    # --- the inverse
-
     def inverse(self, z: Sequence[Any]) -> Divisor:
         """The divisor class, in the Jacobian of ``curve``, whose image is z modulo periods; z: g numbers of any size.
 
