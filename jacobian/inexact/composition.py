@@ -24,7 +24,7 @@ from jacobian.inexact.stacked import Pair, Total
 
 Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 
-# the field's own digits are tried if the leading coefficient of f, and the value of f at the smallest abscissa of a
+# the field's own digits are tried if the leading coefficient of f, and the largest term of f at the smallest |x| of a
 # point, are at least 2^−SPREAD in units in which |x| ≤ 1 at all points and f is of size 1 at |x| = 1
 SPREAD = 24
 # the largest remainder of a division that counts as rounding, in units of the last digit
@@ -62,7 +62,7 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
     units = units_of(K, curve.f, curve.h, pairs)
-    # the values of y/x^(g+1) at ∞₊ and ∞₋ have the mean −h/(2x^(g+1)): half their difference is that of y + h/2 at ∞₊
+    # y/x^(g+1) at ∞₊ and ∞₋ has the mean −h/(2x^(g+1)), so half the difference of both is (y + h/2)/x^(g+1) at ∞₊
     plus = curve.infinity_plus - curve.infinity_minus
     infinity = Infinity(lean, complex(plus / abs(plus)))
     total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
@@ -88,7 +88,7 @@ def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: 
 
 
 def negated(curve: Any, D: Triple) -> Triple:
-    """The reduced triple in the class of D, on a split model of odd genus. D is the opposite of a reduced triple."""
+    """The reduced triple of −E for a class E on a split model of odd genus; D is a triple of −E that is not reduced."""
     return _split(curve, D)
 
 
@@ -193,7 +193,7 @@ def _returned(
 
 
 def _even(f: Coefficients, units: Units) -> bool:
-    """Whether the leading coefficient of f, and the value of f at the smallest abscissa of a point, are at least
+    """Whether the leading coefficient of f, and the largest term of f at the smallest |x| of a point, are at least
     2^−SPREAD; f is in ``units``.
     """
     depth, least = units.low - units.x, 2.0**-SPREAD

@@ -129,10 +129,7 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
 
 
 def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> tuple[Coefficients, Number]:
-    """p and q with leading terms set to zero where they are rounding noise.
-
-    Degrees are decided only here and where the result is divided by its leading coefficient.
-    """
+    """p and q with leading terms set to zero where they are rounding noise."""
     scale = max(size(p), abs(q) * size(f) ** 0.5)
     p = list(p)
     while 2 * len(p) - 1 > len(f) and field.is_zero(p[-1], scale):

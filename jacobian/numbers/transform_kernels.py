@@ -172,8 +172,8 @@ def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out:
     (Garner 1959).
 
     ``Q``: the contexts of three primes q₁, q₂, q₃. ``residues`` (2 or 3, size): a row for each of the first two or all
-    three primes, used from column ``begin`` on. ``c``: a factor for each prime; 1/q₁ mod q₂, q₁ mod p, 1/q₁ and 1/q₂
-    mod q₃, q₁q₂ mod p.
+    three primes, used from column ``begin`` on. ``c``: a factor for each prime, then 1/q₁ mod q₂, q₁ mod p, 1/q₁ and
+    1/q₂ mod q₃, q₁q₂ mod p.
     """
     first, second, third = Q
     for j in range(len(out)):

@@ -138,9 +138,9 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(f"z = {shown(target)}: no divisor of weight g was found there ({failure})")
 
     def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
-        """Points whose image is near the target; Newton's method follows the segment from the image of random points.
+        """Points whose image is near the target. Newton's method follows a segment to it from the image of random points.
 
-        It takes its steps from the iterator ``steps``, and ends with PrecisionLoss where they are used up.
+        The number of steps is limited by the iterator ``steps``; PrecisionLoss where this is used up.
         """
         points = self._start(rng)
         begin, gap = self._image_of(points, full_weight(self.curve)), self._gap(points, target)
@@ -170,8 +170,8 @@ class AbelMap(AbelImage):
     ) -> list[Point]:
         """The points after Newton's method for the image ``target``.
 
-        It ends when the coordinates, on the periods, of the target minus the image are below ``tolerance``.
-        PrecisionLoss if it does not converge within the steps ``allowed``.
+        The iteration ends when all coordinates of the target minus the image in the basis of periods are below
+        ``tolerance``; PrecisionLoss if it does not converge within the steps ``allowed``.
         """
         numbers, last, size = self.cover.numbers, None, None
         for _ in allowed:

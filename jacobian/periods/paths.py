@@ -1,8 +1,8 @@
 """Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
 
 A compiled loop sums an integrand over the nodes of a quadrature rule in double-doubles. With x = a + (b − a)v on a path
-from a to b, the rule is a Gauss rule in v or, where real branch points nearly meet, the trapezoidal rule in
-log(v/(1 − v)).
+from a to b, the rule is a Gauss rule in v, or in √v if b is no branch point. Where real branch points nearly meet, it
+is the trapezoidal rule in log(v/(1 − v)).
 """
 
 from __future__ import annotations
