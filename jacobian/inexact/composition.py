@@ -121,7 +121,7 @@ class Units(NamedTuple):
     at_zero: bool
 
     def of_u(self, u: Sequence[Any], move: Any, sign: int = -1) -> Coefficients:
-        """u in these units; ``move(c, bits)`` scales a coefficient. ``sign=1`` converts back."""
+        """u in these units; ``move(c, bits)`` is c·2^bits. ``sign=1`` converts back."""
         return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
 
     def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:

@@ -107,7 +107,7 @@ class Wide32(WordContext):
 
 
 class LongContext(WordContext):
-    """The contexts on words of 64 bits."""
+    """The operations that the contexts on words of 64 bits share."""
 
     __slots__ = ()
     bits = 64

@@ -138,7 +138,7 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(f"z = {shown(target)}: no divisor of weight g was found there ({failure})")
 
     def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
-        """Points whose image is near the target. Newton's method follows a segment to it from the image of random points.
+        """Points whose image is near the target, by Newton's method along the segment from a random divisor's image.
 
         The number of steps is limited by the iterator ``steps``; PrecisionLoss where this is used up.
         """
