@@ -76,8 +76,8 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # a place lowers the bound √#J·ε^t/2 by log₂(below/above) bits, and √#J ≤ (1 + √q)^g. Inert models need an even
-    # number of places
+    # the bound √#J·ε^t/2 for t places (:mod:`jacobian.law.sampling`) has ε = above/below, and √#J ≤ (1 + √q)^g. Inert
+    # models need an even number of places
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))
