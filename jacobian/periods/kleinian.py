@@ -128,7 +128,7 @@ class KleinianFunctions(Immutable):
 
     def _integrals(self, at: _Divisor) -> tuple[Vector, Vector]:
         """The integrals of x^k dx/Y, k < 2, and those of ρ_1, ρ_2 (:mod:`jacobian.periods.second_kind`), from branch
-        point 0 to both points of the divisor along the same paths, each summed over the two points.
+        point 0 to the points of the divisor, summed over both points. Both kinds are integrated along the same paths.
         """
         cover = self._image.cover
         powers: Vector = [0] * 5
