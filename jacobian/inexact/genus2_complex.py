@@ -201,7 +201,7 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     # if size = 0, only the equation of the curve determines V''
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
-    # two Newton steps towards the curve, along the direction that the rows determine least
+    # two Newton steps towards the curve, in the direction of (c0, c1) that the linear system determines least
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, lean, size / scale)
     return c0, c1

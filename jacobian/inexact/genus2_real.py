@@ -180,7 +180,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     # if size = 0, only the equation of the curve determines V''
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
-    # two Newton steps towards the curve, along the direction that the rows determine least
+    # two Newton steps towards the curve, in the direction of (c0, c1) that the linear system determines least
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, y0 / norm, size / scale)
     return c0, c1

@@ -1,7 +1,7 @@
 """Uniform random divisor classes, and lists of all classes, over finite fields.
 
 Each class has exactly one reduced triple (u, v, n). For a given u = Π P^e, P irreducible, the number of v is a product
-over the P. Its factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
+over the P. The factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
 rejection gives a uniform class: draw the degree d of u with weight (2q)^d times the number of n, draw u uniformly among
 the monic polynomials of degree d, and keep u with probability (number of v)/2^d. Sums of rational points may reach only
 a subgroup.
@@ -76,8 +76,8 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # a place lowers the bound √#J·ε^t/2 by log₂(below/above) bits, and √#J ≤ (1 + √q)^g. Inert models need an even
-    # number of places
+    # the bound √#J·ε^t/2 for t places (:mod:`jacobian.law.sampling`) has ε = above/below, and √#J ≤ (1 + √q)^g. Inert
+    # models need an even number of places
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))

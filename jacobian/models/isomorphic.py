@@ -143,7 +143,7 @@ def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
     if k == 1:
         (x, y), (z, w) = (_rational_point(K, place) for place in (P, Q))
         return [[[K.mul(x, w), K.mul(y, w), K.neg(K.mul(x, z)), K.neg(K.mul(y, z))]]]
-    # over GF(p) the factor itself serves as the modulus of L
+    # over GF(p) the polynomial of P serves as the modulus of L
     L = GF(K.characteristic, k, P[1]) if K.degree == 1 else GF(K.characteristic, K.degree * k)
     inclusion = embedding(K, L)
     alpha = roots(L, inclusion.polynomial(P[1]))[0]

@@ -92,8 +92,8 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# describes a correspondence. Arguments: a field L ⊇ K, the map K[x] → L[x], u, v over L; result: the Family of the
-# images of the points of (u, v), or None if they are not defined
+# a correspondence, as a function of a field L ⊇ K, the map K[x] → L[x], and u, v over L. Its result is the Family of
+# the images of the points of (u, v), or None if they are not defined
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 
@@ -121,7 +121,7 @@ def _fields(K: Any) -> Iterator[Any]:
 
 
 def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callable[[Any], Any]) -> Divisor | None:
-    """The image of D, or of D + R minus that of R for a class R; None if no R has both in general position."""
+    """The image of D, or that of D + R minus that of R for a class R; None if for no R tried both are defined."""
 
     def image(R: Divisor) -> Divisor | None:
         """The image of a class P + Q minus infinity with P and Q in general position."""

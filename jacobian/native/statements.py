@@ -94,8 +94,6 @@ class Statements(Expressions):
                     raise CompileError(f"{where}: {error}") from error
                 raise
 
-    # --- assignments
-
     def assign_name(self, name: str, value: Value) -> None:
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
@@ -150,8 +148,6 @@ class Statements(Expressions):
             self.put(row, address, self.binary(operator, self.element(row, address), self.value(node.value)))
         else:
             self.assign(node.target, self.binary(operator, self.value(node.target), self.value(node.value)))
-
-    # --- control flow
 
     def do_expr(self, node: ast.Expr) -> None:
         if not isinstance(node.value, ast.Constant):

@@ -52,7 +52,7 @@ def dot(b: Operators, K: Value, *terms: Value) -> Value:
     found = b.write(f"sub {double} {high}, {less}")
     if bits == 32:
         return Value(INT, (found,))
-    # LLVM would emulate this product lane by lane, since no vector instruction multiplies 64 by 64 bits
+    # without ``opaque`` LLVM would emulate this product lane by lane: no vector instruction multiplies 64 by 64 bits
     return Value(INT, (opaque(b, b.write(f"trunc i128 {found} to i64")),))
 
 

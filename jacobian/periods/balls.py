@@ -6,9 +6,9 @@ the ellipse with foci ±1 and semi-axis cosh ρ. Then their errors are at most:
 * Gauss–Chebyshev, n nodes, ∫ φ/√(1−t²): 2πM/(e^(2ρn) − 1) (Chawla & Jain 1968; Molin & Neurohr 2019, section 4);
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
-For a point u outside the ellipse, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for all t on it, by the triangle inequality;
-so M is bounded by the singularities u. The choice between two square roots is made in doubles. This needs the argument
-of a root with an error below 30°, and no path comes so near to a branch point that the error is larger.
+For a point u outside the ellipse, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for all t on it, by the triangle inequality.
+With the singularities of φ as u, this gives M. The choice between two square roots is made in doubles. This needs the
+argument of a root with an error below 30°, and no path comes so near to a branch point that the error is larger.
 """
 
 from __future__ import annotations
@@ -106,9 +106,9 @@ class BallNumbers(Numbers):
         return found
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces of [0, 1], shorter ones near singularities.
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, a product over ``ratios``; ``rate`` is not used.
 
-        ``rate`` is not used.
+        Gauss's rule is applied to pieces of [0, 1], shorter ones near singularities.
         """
         pieces, total = [(0.0, 1.0)], list[Any]()
         while pieces:

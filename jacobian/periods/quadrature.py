@@ -99,7 +99,7 @@ class Numbers:
         return self._weights[n]
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds over all ``ratios`` by Fejér's rule; each node adds ``rate`` digits."""
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, a product over ``ratios``, by Fejér's rule of ``rate`` digits per node."""
         # the number of nodes is limited, since computing the weights takes time proportional to its square
         n = self.node_count(rate, 500 + 10 * self.digits)
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
@@ -171,7 +171,7 @@ def path_from(
 
 
 def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios: Vector, forms: Forms) -> Vector:
-    """Σ weight · forms(s²)/Π√(1 − s²·ratio) over the nodes s."""
+    """The sum over the nodes s of weight · forms(s²)/Π√(1 − s²·ratio), a product over ``ratios``."""
     rough = [complex(ratio) for ratio in ratios]
     total: Vector = []
     for s, weight in zip(nodes, weights, strict=True):
