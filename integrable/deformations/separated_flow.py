@@ -254,7 +254,10 @@ def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
 
 
 def _oval(K: LongField, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> EllipticOval:
-    """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
+    """The curve and its point with ũ − a_i = ``gaps`` and the sign ``turn`` of ũ'.
+
+    Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i)).
+    """
     # 1 − dũ = (1 − da_i) − d(ũ − a_i) is computed with the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     x, y, z = (K.sqrt(abs(mu * x / (slow * r))) for x, r in zip(gaps, body.contact, strict=True))

@@ -194,7 +194,7 @@ class ExtendedGroup(Immutable):
         """A pair of degree g, moved by one Newton step towards U | f − V², over a :class:`LongField`.
 
         The step is the shortest (δU, δV) with WδU + 2VδV ≡ f − V² mod U. Without it f − V² mod U grows with every
-        addition, on models of even degree by tens of bits. An error of a divisor on the curve only doubles when the
+        addition, on models of even degree by tens of bits. If U | f − V² holds, an error only doubles when the
         divisor is doubled.
         """
         K, g = self.field, len(D.u) - 1

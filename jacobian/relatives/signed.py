@@ -123,7 +123,7 @@ class SignedGroup(Immutable):
     def double(self, D: SignedDivisor) -> SignedDivisor:
         """D + D with κ = 1 (−1 for weight one).
 
-        :meth:`add` gives the sum κ² (−κ² for weight one) as its κ; the factor κ² is moved into σ and ν.
+        The sum by :meth:`add` has κ² (−κ² for weight one) in place of κ; the factor κ² is moved into σ and ν.
         """
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
@@ -245,7 +245,7 @@ class SignedGroup(Immutable):
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
         """(σ'', ν'') from the equations of :meth:`_row`, of which ``rows`` has two for each summand.
 
-        The equations of one summand with divisor ≠ 0 are solved; over an inexact field, those of both by least squares.
+        The equations of a summand whose divisor ≠ 0 are solved; over an inexact field, those of both, by least squares.
         """
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
