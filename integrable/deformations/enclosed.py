@@ -132,7 +132,7 @@ class _March:
         return found
 
     def left(self, end: Real) -> float:
-        """The time that remains until ``end``, divided by the time reached."""
+        """The quotient of ``end`` and the time reached, without sign."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:

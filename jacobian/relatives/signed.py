@@ -96,9 +96,9 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), (kappa,) * len(pairs))
 
     def twist(self, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
-        """The pair (u, v) with σ = 1 and κ = u(e), which needs no square root; its double has κ = 1.
+        """The pair (u, v) with σ = 1 and κ = u(e), which needs no square root.
 
-        NotRepresentable where u vanishes at a branch point.
+        Its :meth:`double` has κ = 1 (−1 for weight one). NotRepresentable where u vanishes at a branch point.
         """
         K = self.field
         kappas = tuple(poly.evaluate(K, u, e) for e in self.branch_points)
