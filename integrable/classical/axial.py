@@ -162,7 +162,7 @@ def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
 
 
 def branches(m: Real) -> bool:
-    """Whether the end z = ±1 of the axis's path is a branch point, which it is if its constant m, m₁ or m₂, is 0.
+    """Whether the end z = 1 or −1 is a branch point: whether its constant ``m``, which is m₁ or m₂, is 0.
 
     PrecisionLoss if m is an enclosure that contains 0 and other numbers.
     """

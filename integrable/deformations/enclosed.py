@@ -99,7 +99,7 @@ class _March:
             self._point = [*start.row, *([zero] if rolls else [])]
             self._finds_tau = rolls and not in_tau
             self._tape = recorded(right_hand_sides(wide, physical=not in_tau), len(self._point))
-            # a start at rest gives no unit for M
+            # the unit of M is |M| at the start, or 1 for a start at rest
             M = start.vectors[1]
             self._momentum = wide.field.dot(M, M).sqrt() if any(state.vectors[1]) else wide.field.one
             self._now = zero

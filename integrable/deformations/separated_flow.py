@@ -30,7 +30,7 @@ from jacobian.inexact.long_field import LongField
 __all__ = ["SeparatedFlow"]
 
 TimeOf = Callable[[int, EllipticOval, Real], Real]
-"""The time in which the motion on curve k adds a point: a function of k, the curve and μ_k."""
+"""The time for which the motion along curve k is the addition of a point: a function of k, the curve and μ_k."""
 # the signs of R_i' = ±R_jR_k on the two curves, by axis
 SLOPES = (-1, -1, 1), (1, -1, -1)
 
@@ -181,7 +181,7 @@ class SeparatedFlow(DeformedFlow):
     def translated(self, time_of: TimeOf) -> State:
         """The state after an addition of a point on each of the curves k = 0, 1.
 
-        On curve k the motion adds this point in the time ``time_of(k, curve, μ_k)``.
+        The addition on curve k is the motion along this curve for the time ``time_of(k, curve, μ_k)``.
         """
         many = self._many
 

@@ -29,7 +29,7 @@ QUADRATIC = [tuple(chosen.count(i) for i in range(4)) for chosen in combinations
 
 
 def bad_part(surface: KummerSurface) -> int:
-    """16|disc(f)|, f as a sextic: a multiple of gcd(δ_i(x)) of the doubling forms δ at coprime x_i (Stoll 1999, 6.1)."""
+    """16|disc(f)|, f as a sextic: a multiple of the gcd of all doubling forms δ_i at coprime x_j (Stoll 1999, 6.1)."""
     from flint import fmpz_poly
 
     discriminant = int(fmpz_poly(list(surface.f)).discriminant())

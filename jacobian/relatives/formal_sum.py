@@ -226,7 +226,7 @@ class Intersection(NamedTuple):
 
 
 def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalSum:
-    """div(a(x) + b(x)·y) on an exact curve, of degree 0, for polynomials (ascending) that are not both 0.
+    """div(a(x) + b(x)·y) on a curve over an exact field, for polynomials, ascending, that are not both 0.
 
     Let c = gcd(a, b), a = ca₀, b = cb₀ and N = a₀² − ha₀b₀ − fb₀². The affine part of the divisor is
     π*(c) + div(N, −a₀/b₀ mod N), because a₀ + b₀y does not vanish at two opposite points.
