@@ -95,7 +95,7 @@ class _March:
             wide = system.over(balls)
             start = onto_constraints(wide, state)
             rolls, zero = system.body.rolls, wide.field.zero
-            # the variable after γ and M is τ at d ≠ 0, or t if the motion is in τ
+            # if d ≠ 0, a variable follows γ and M: τ, or t if the motion is in τ
             self._point = [*start.row, *([zero] if rolls else [])]
             self._finds_tau = rolls and not in_tau
             self._tape = recorded(right_hand_sides(wide, physical=not in_tau), len(self._point))

@@ -79,7 +79,7 @@ class IntegratedMotion(HamiltonianMotion):
 
 
 class IntegratedStates(Integration):
-    """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
+    """The states of an IntegratedMotion, rounded to the field of ``system``, and their τ or t if d ≠ 0."""
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         self._field, self._asked = system.field, long_digits(system.field)

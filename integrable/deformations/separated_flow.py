@@ -172,7 +172,7 @@ class OvalCarrier(CurvesCarrier):
 class SeparatedFlow(DeformedFlow):
     """The motion of a tilde, check or hat pair without potential through a state; ``system.flow`` returns it.
 
-    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
+    If d ≠ 0, a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
     NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
