@@ -153,8 +153,8 @@ class TodaLattice(MumfordSystem):
         return p, links
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = 1/h, which agrees with the motion for a time ``h`` to first order.
-        The motion of the centre of mass is exact.
+        """The state after the :meth:`step` by a point with λ = 1/h, which agrees with the motion for a time h to first
+        order. The motion of the centre of mass is exact.
         """
         step = self._time_step(h)
         new = self.step(state, self.curve_point(state, 1 / step))

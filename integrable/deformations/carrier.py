@@ -129,7 +129,7 @@ class OnCurves(ManyDigits):
 
     def __init__(self, system: Hamiltonian, state: State, made: type[CurvesCarrier]) -> None:
         self._system, self._state, self._made = system, state, made
-        # carrier_of, called here, reads the attribute
+        # carrier_of, called in the next line, reads ``digits``
         self.digits = long_digits(system.field)
         super().__init__(self.digits, self.carrier_of(self.digits))
 

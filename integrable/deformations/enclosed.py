@@ -95,11 +95,11 @@ class _March:
             wide = system.over(balls)
             start = onto_constraints(wide, state)
             rolls, zero = system.body.rolls, wide.field.zero
-            # the variable after γ and M is τ at d ≠ 0, or t if the motion is in τ
+            # if d ≠ 0, a variable follows γ and M: τ, or t if the motion is in τ
             self._point = [*start.row, *([zero] if rolls else [])]
             self._finds_tau = rolls and not in_tau
             self._tape = recorded(right_hand_sides(wide, physical=not in_tau), len(self._point))
-            # a start at rest gives no unit for M
+            # the unit of M is |M| at the start, or 1 for a start at rest
             M = start.vectors[1]
             self._momentum = wide.field.dot(M, M).sqrt() if any(state.vectors[1]) else wide.field.one
             self._now = zero
@@ -132,7 +132,7 @@ class _March:
         return found
 
     def left(self, end: Real) -> float:
-        """The time that remains until ``end``, divided by the time reached."""
+        """The quotient of ``end`` and the time reached, without sign."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:

@@ -1,7 +1,7 @@
 """Heights and rates on the two curves of a deformation; loops over bare reals are compiled for double-doubles.
 
-On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. The roots are those of
-:class:`integrable.mumford.elliptic_torus.EllipticOval`.
+On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. R₁, R₂ and R₃ are the square
+roots of |Z − e_i| with the signs of :class:`integrable.mumford.elliptic_torus.EllipticOval`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Row = Any
 
 
 def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
-    """z at the roots R₁, R₂ and R₃, computed from the smallest of them."""
+    """The height z of the point with the square roots R₁, R₂ and R₃, computed from the smallest of them."""
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return levels[0] + r[0] * r[0] * levels[3]
     if abs(r[1]) <= abs(r[2]):
@@ -33,8 +33,7 @@ def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
 class Pace(NamedTuple):
     """The rate dt/dτ = 1/g of a tilde pair, g² = Σ weight_k(1 + dz_k), on the torus of two ovals.
 
-    Both ``weights`` are positive, with the sum 1; ``levels`` give the heights z_k
-    (:func:`height`).
+    Both ``weights`` are positive, with the sum 1; ``levels`` give the heights z_k (:func:`height`).
     """
 
     field: LongField
@@ -49,7 +48,7 @@ class Pace(NamedTuple):
         return min(curve.period for curve in self.curves)
 
     def share(self, k: int, r: tuple[Real, Real, Real]) -> Real:
-        """weight_k(1 + dz_k) at the roots R_i on curve k."""
+        """weight_k(1 + dz_k) at the point of curve k = 0, 1 with the square roots ``r``."""
         return self.weights[k] * (1 + self.d * height(self.levels[k], r))
 
     def at(self, times: Sequence[Real]) -> Real:

@@ -31,15 +31,13 @@ from jacobian.numbers.double_double import double_double_row
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# largest error of H and K, relative to their sizes, and largest decimal exponent of the relative error of the farthest
-# state
+# largest error of H and K relative to their sizes, and largest decimal exponent of the farthest state's relative error
 MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# upper bound of the body's angular velocity divided by the rate of its faster phase; the largest ratios occur for large
-# d
+# upper bound of the body's angular velocity divided by the rate of its faster phase; the ratio is largest for large d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14

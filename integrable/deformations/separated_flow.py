@@ -30,7 +30,7 @@ from jacobian.inexact.long_field import LongField
 __all__ = ["SeparatedFlow"]
 
 TimeOf = Callable[[int, EllipticOval, Real], Real]
-"""The time in which the motion on curve k adds a point: a function of k, the curve and μ_k."""
+"""The time for which the motion along curve k is the addition of a point: a function of k, the curve and μ_k."""
 # the signs of R_i' = ±R_jR_k on the two curves, by axis
 SLOPES = (-1, -1, 1), (1, -1, -1)
 
@@ -172,7 +172,7 @@ class OvalCarrier(CurvesCarrier):
 class SeparatedFlow(DeformedFlow):
     """The motion of a tilde, check or hat pair without potential through a state; ``system.flow`` returns it.
 
-    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
+    If d ≠ 0, a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
     NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
@@ -181,7 +181,7 @@ class SeparatedFlow(DeformedFlow):
     def translated(self, time_of: TimeOf) -> State:
         """The state after an addition of a point on each of the curves k = 0, 1.
 
-        On curve k the motion adds this point in the time ``time_of(k, curve, μ_k)``.
+        The addition on curve k is the motion along this curve for the time ``time_of(k, curve, μ_k)``.
         """
         many = self._many
 
@@ -254,7 +254,10 @@ def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
 
 
 def _oval(K: LongField, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> EllipticOval:
-    """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
+    """The curve and its point with ũ − a_i = ``gaps`` and the sign ``turn`` of ũ'.
+
+    Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i)).
+    """
     # 1 − dũ = (1 − da_i) − d(ũ − a_i) is computed with the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     x, y, z = (K.sqrt(abs(mu * x / (slow * r))) for x, r in zip(gaps, body.contact, strict=True))

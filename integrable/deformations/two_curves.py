@@ -82,8 +82,8 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
 def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = None) -> State:
     """The state that belongs to two points, with the signs of ``like``; raises the errors of :func:`divisors`.
 
-    Without ``like`` the signs are those of the field's square roots. Over an exact field ``like``
-    has an effect only if it is the same state up to signs.
+    Without ``like`` the signs are those of the field's square roots. Over an exact field ``like`` has an effect only if
+    it is the same state up to signs.
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")

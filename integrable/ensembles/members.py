@@ -57,8 +57,8 @@ class Many(Record, Generic[One]):
 class Contents(NamedTuple):
     """The content of a file about motions.
 
-    ``states`` maps the name of each array of states to the places of its numbers in a state, and to its :class:`Column`
-    with axes and units, whose values are filled in later. ``parameters`` have a value for each member; ``attributes``
+    ``states`` has a pair for each array of states, by the array's name: the places of its numbers in a state, and a
+    :class:`Column` with axes and units but without values. ``parameters`` have a value for each member; ``attributes``
     apply to all members. ``identity`` is everything else on which the states depend. ``words`` are the names of the
     ways to compute the states.
     """

@@ -19,8 +19,8 @@ from jacobian.periods.quadrature import Vector
 class SecondKind:
     """The differentials ρ_1 … ρ_g and their periods, in the numbers of the PeriodMatrix.
 
-    ``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``: g×g tuples of rows, A[j][i] = ∮ ρ_(j+1) along a_i
-    of the PeriodMatrix. The η and η′ of Weierstrass and Baker are −A/2, −B/2.
+    ``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``, the E and H of Legendre's relation: g×g tuples
+    of rows, A[j][i] = ∮ ρ_(j+1) along a_i of the PeriodMatrix. The η and η′ of Weierstrass and Baker are −A/2, −B/2.
     """
 
     polynomials: tuple[tuple[Any, ...], ...]

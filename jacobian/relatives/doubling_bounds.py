@@ -29,7 +29,7 @@ QUADRATIC = [tuple(chosen.count(i) for i in range(4)) for chosen in combinations
 
 
 def bad_part(surface: KummerSurface) -> int:
-    """|2⁴ disc(f)|, f as a sextic: a multiple of gcd(δ_i(x)) for primitive x (Stoll 1999, theorem 6.1)."""
+    """16|disc(f)|, f as a sextic: a multiple of the gcd of all doubling forms δ_i at coprime x_j (Stoll 1999, 6.1)."""
     from flint import fmpz_poly
 
     discriminant = int(fmpz_poly(list(surface.f)).discriminant())
@@ -40,7 +40,7 @@ def bad_part(surface: KummerSurface) -> int:
 def real_bounds(surface: KummerSurface) -> tuple[float, float]:
     """(low, high) with low ≤ log |δ(x)| − 4 log |x| ≤ high at real points of the surface, |x| being the largest |x_i|.
 
-    PrecisionLoss where the enclosures of the roots of f are too wide for finite bounds.
+    δ are the doubling forms. PrecisionLoss where the enclosures of the roots of f are too wide for finite bounds.
     """
     bits = FIRST_BITS
     for _ in range(TRIALS):

@@ -6,7 +6,7 @@ A pair (U, V) on y² = f(x) can have any of the following data. Each kind of dat
   of √U(e); where U(e) = 0, ν gives the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift.
 * at any other point (x₀, y₀) the triple (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), the same as (κ/c², cσ, cσ̄). Its group is the
   generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954).
-* on a model of odd degree Ω = Σ∫x^g dx/y over the points of the divisor, a differential with a double pole at ∞.
+* on a model of odd degree Ω = Σ∫x^g dx/y over the points of the divisor; x^g dx/y has a double pole at ∞.
 * on a model of even degree Z = exp(rΣ∫x^g dx/y), where r² is the leading coefficient of f. The differential has simple
   poles at ∞₊ and ∞₋. The group is the generalized Jacobian with modulus ∞₊ + ∞₋.
 
@@ -194,7 +194,7 @@ class ExtendedGroup(Immutable):
         """A pair of degree g, moved by one Newton step towards U | f − V², over a :class:`LongField`.
 
         The step is the shortest (δU, δV) with WδU + 2VδV ≡ f − V² mod U. Without it f − V² mod U grows with every
-        addition, on models of even degree by tens of bits. An error of a divisor on the curve only doubles when the
+        addition, on models of even degree by tens of bits. If U | f − V² holds, an error only doubles when the
         divisor is doubled.
         """
         K, g = self.field, len(D.u) - 1

@@ -192,7 +192,7 @@ class FibreGroup(Immutable):
             a, b = poly.quotient(K, a, linear), poly.quotient(K, b, linear)
 
     def class_of(self, functions: list[Function]) -> Unit:
-        """The class of the product of ``functions``, which over x₀ has the zeros and poles of a power of x − x₀."""
+        """The class of the product of ``functions``; its zeros and poles over x₀ must be those of a power of x − x₀."""
         total, rest = self.identity, None
         for function in functions:
             c = self.value(function)
