@@ -76,8 +76,8 @@ class RigidBody(Made):
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
     def _way(self, start: np.ndarray, spin: np.ndarray) -> Any:
-        """The method for a motion whose start has the principal axes ``start``, as columns, and ω = ``spin`` along
-        these axes.
+        """The method for a motion. At time 0 the columns of ``start`` are the principal axes in the laboratory, and
+        ``spin`` is ω along these axes.
         """
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
@@ -209,7 +209,7 @@ class RollingBall(RigidBody):
     def _vertical(self, start: np.ndarray, gamma: np.ndarray, rate: Real) -> Vertical:
         """The method for M ∥ γ, by the free body with the moments I + d and the momentum λγ, λ = ``rate``."""
         sign = 1 if rate > 0 else -1
-        # the attitude of the free body has x along its momentum, and z along its γ, which is the x of the laboratory
+        # the axis x of the free body's attitude is along its momentum, z along its γ, here the axis x of the laboratory
         frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * self._wide.one
         return Vertical(self._free_flow(start[0], rate * gamma), frame, self._radius, sign)
 
