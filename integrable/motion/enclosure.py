@@ -212,7 +212,7 @@ class BallMotion:
 
     def _rate_bound(self, box: Sequence[acb]) -> arb | None:
         """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
-        # 1/g has the denominator √(σ₁² + σ₂² + σ₃²), and is analytic on the box if this sum does not meet the root's cut
+        # 1/g has the denominator √(σ₁² + σ₂² + σ₃²), and is analytic on the box if that sum avoids the cut of the root
         if not sum(x * x for x in box[4:7]).real > 0:
             return None
         bound = abs(addition.rate_at(self.problem.axes, box))

@@ -139,7 +139,7 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion for exact inputs, to ``digits`` digits. The computation may lose ``most_lost`` digits."""
+    """The states of a motion for exact inputs, to ``digits`` digits, even if ``digits`` + ``most_lost`` are lost."""
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""

@@ -250,8 +250,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, with a clock, of 1/g divided
-    by four times its mean. Both are multiplied by ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
+    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, if t(τ) is needed, of 1/g
+    divided by four times its mean; both times ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
