@@ -1,6 +1,6 @@
 """The exact flow: time is addition on the Jacobian.
 
-The divisor D(τ) of a motion obeys D(τ + δ) = D(τ) + T(δ), where the translation T(δ) is the same for all states (Abel
+The divisor D(τ) of a motion obeys D(τ + δ) = D(τ) + T(δ), where the translation T(δ) depends on the curve only (Abel
 quadratures; Tsiganov 2017, section 3). On a compact torus the state at any τ, or at any physical time t = ∫dτ/g, is
 found from six short series (:mod:`integrable.torus.access`). Within a few turns of the start, a short run computes the
 states without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not suffice, and in

@@ -201,8 +201,8 @@ class SymmetricFlow:
         return turned
 
     def _gap(self, gap: np.ndarray, goal: np.ndarray) -> np.ndarray:
-        """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body the result is ``goal``; the
-        clock of a tilted body adds a correction.
+        """θ − θ₀ to its last digit, near ``gap``: the solution of θ − θ₀ − ε(G(cos θ) − G(cos θ₀)) = ``goal``, with
+        the ε and G of :meth:`integrable.motion.swing.Swing.clock`; ε = 0 for an upright body.
         """
         if not self._kepler:
             return goal

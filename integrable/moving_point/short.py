@@ -107,8 +107,8 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
 
 
 def first_half(room: ShortRoom) -> float:
-    """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
-    not the panels; the length is then doubled until the body turns far enough on each panel.
+    """Half the length of a panel of this motion. If branch points have very different sizes, panels can be far longer
+    than basic steps; their length is then doubled while the body turns by at most TURN radians on half a panel.
     """
     h, most, longer = panel_half(room.motion.half_step), TURN * room.motion.radian, 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
