@@ -192,7 +192,7 @@ class RollingBall(RigidBody):
         length, size = K.sqrt(flat @ flat), K.sqrt(M @ M)
         if length <= VERTICAL * self.field.eps * size:
             return self._vertical(start, gamma, c + d * (gamma @ spin))
-        # the horizontal part of M determines the axes of space, so the flow has more digits if the part is small
+        # the horizontal part of M determines the axes of space; if it is small, the flow is computed with more digits
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
         with unwarned():

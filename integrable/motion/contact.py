@@ -46,8 +46,8 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# rounding errors of ẋ are about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis ẋ consists of
-# them
+# the computed ẋ has rounding errors of about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis
+# they are larger than ẋ
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
