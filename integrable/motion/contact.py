@@ -46,8 +46,8 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# rounding errors of ẋ are about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis ẋ consists of
-# them
+# the computed ẋ has rounding errors of about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis
+# they are larger than ẋ
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
@@ -189,8 +189,8 @@ class Rolling:
         return self.rates(np.hstack([run.gamma, run.M]))
 
     def _by_gauss(self, tau: np.ndarray, length: Real) -> np.ndarray:
-        """The bounded part at ``tau`` in multiprecision, by Gauss–Legendre rules between 0, the ends of panels and all
-        τ.
+        """The bounded part at ``tau`` in multiprecision, by a Gauss–Legendre rule on each interval between neighbours
+        among 0, the ends of panels and all τ.
         """
         K = self.flow.system.field
         ends = {K.zero, *tau}

@@ -181,8 +181,8 @@ class BallMotion:
     def _bounded_disc(self, point: Sequence[arb], start: float, enough: Real) -> tuple[float, arb | None]:
         """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point``.
 
-        On the disc the motion exists by Picard's theorem. Radii are tried from ``start`` downwards, and the first that
-        suffices is taken. The result is (0, None) if no radius above ``enough`` suffices.
+        Radii are tried from ``start`` downwards, until by Picard's theorem the motion exists on the disc, and |1/g| has
+        a bound there. The result is (0, None) if this fails for all radii above ``enough``.
         """
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]
@@ -212,7 +212,7 @@ class BallMotion:
 
     def _rate_bound(self, box: Sequence[acb]) -> arb | None:
         """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
-        # 1/g is analytic on the box if σ₁² + σ₂² + σ₃², of which it divides by the root, does not meet the root's cut
+        # 1/g has the denominator √(σ₁² + σ₂² + σ₃²), and is analytic on the box if that sum avoids the cut of the root
         if not sum(x * x for x in box[4:7]).real > 0:
             return None
         bound = abs(addition.rate_at(self.problem.axes, box))

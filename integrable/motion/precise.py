@@ -54,7 +54,7 @@ ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
 class Carrier:
-    """A motion computed with one number of digits; :class:`ManyDigits` replaces it by a wider one if digits are
+    """A motion computed with a fixed number of digits; :class:`ManyDigits` replaces it by a wider one if digits are
     missing. Times and τ are wide numbers in the carrier's units.
 
     ``digits`` is the number of digits of its results, without guard digits.
@@ -113,7 +113,7 @@ class Carrier:
         return [self.point(t) for t in tau]
 
     def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
-        """(γ, M) of a moving point, by default the point itself."""
+        """The pair (γ, M) of a moving point. By default the point is this pair."""
         gamma, M = point
         return gamma, M
 
@@ -139,7 +139,7 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion for exact inputs, to ``digits`` digits, however many digits the computation loses."""
+    """The states of a motion for exact inputs, to ``digits`` digits, even if ``digits`` + ``most_lost`` are lost."""
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""

@@ -44,8 +44,8 @@ END_DIGITS = 12
 
 
 class ClockLimits(NamedTuple):
-    """Limits on a clock: the number of values of 1/g on the way to a time, its digits, and whether it may use
-    double-double numbers where they suffice.
+    """Limits on a clock: the number of values of 1/g between the start and a time, the number of digits, and whether
+    double-double numbers may be used where they suffice.
     """
 
     most: float = inf
@@ -105,8 +105,6 @@ class RatePanels:
         if nodes.roots is not None:
             return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
         return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
-
-    # --- the number of nodes
 
     def _node_count(self, rate: float) -> int:
         """An even number of nodes that suffices for the clock's digits if each node adds ``rate`` digits."""

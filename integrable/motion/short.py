@@ -2,7 +2,7 @@
 
 A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). In compiled code it
 takes some tens of microseconds plus a few per panel; interpreted, the same source is about a hundred times slower.
-Doubtful cases are left to the next method.
+Doubtful cases are left to the other methods of the flow.
 
 A compiled Taylor walk (:mod:`integrable.series`) of the ball's equations to the time 100 takes four times as long as a
 short run.
@@ -186,7 +186,7 @@ def torus_cost(least: float, most: float, d: float) -> Cost:
 
 
 def panels_within(torus: Cost, count: int, worth: float = WORTH) -> int:
-    """The number of panels, at most MOST_PANELS, that cost 1/``worth`` of a torus and ``count`` states from it."""
+    """The number of panels, at most MOST_PANELS, in a run that costs 1/``worth`` of a torus with ``count`` states."""
     return min(MOST_PANELS, int((torus.of(count) / worth - START_COST) / PANEL_COST))
 
 

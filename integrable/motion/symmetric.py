@@ -177,7 +177,7 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), N.pi * part
 
     def _turned_nearby(self, times: np.ndarray, gap: np.ndarray, turned: np.ndarray) -> np.ndarray:
-        """The turns of φ due to F since the start: ``turned``, computed anew where θ − θ₀, about ``gap``, is small.
+        """``turned``, the turns of φ due to F since the start, computed anew where θ − θ₀, about ``gap``, is small.
 
         φ may turn a million times as fast as F, and the difference F(θ) − F(θ₀) of two values loses digits. By the
         addition theorem it equals F(ψ) for an angle ψ whose sine is a function of θ and θ₀.
@@ -201,8 +201,8 @@ class SymmetricFlow:
         return turned
 
     def _gap(self, gap: np.ndarray, goal: np.ndarray) -> np.ndarray:
-        """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body the result is ``goal``; the
-        clock of a tilted body adds a correction.
+        """θ − θ₀ to its last digit, near ``gap``: the solution of θ − θ₀ − ε(G(cos θ) − G(cos θ₀)) = ``goal``, with
+        the ε and G of :meth:`integrable.motion.swing.Swing.clock`; ε = 0 for an upright body.
         """
         if not self._kepler:
             return goal
@@ -250,8 +250,6 @@ class SymmetricFlow:
         long = N.arcsinh(far) / far if self._bulge > 0 else N.arcsin(np.minimum(far, 1)) / far
         short = 1 - y / 6 + 3 * y * y / 40
         return c / self._root_mu * np.where(abs(y) < small, short, long)
-
-    # --- states
 
     def _turned(self, x: np.ndarray) -> np.ndarray:
         """φ at θ = x minus φ at θ = 0, without the contribution of F."""

@@ -1,7 +1,7 @@
 """Motions in closed form in multiprecision, at any time: two or three equal moments, and rotations about an axis.
 
-The formulas are those of :mod:`integrable.motion.symmetric` in bare reals. The working digits are those requested, plus
-the digits before the point of the angle of rotation until the farthest time, plus those that
+The formulas are those of :mod:`integrable.motion.symmetric` in bare reals. The number of working digits is a
+sum: the digits requested, those of the whole part of the angle of rotation until the farthest time, and those that
 :class:`integrable.motion.precise.ManyDigits` finds missing.
 """
 

@@ -135,7 +135,7 @@ def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndar
 
 
 class BodyMotion(Motion):
-    """The attributes of a body's motion that contact points use: base of :class:`integrable.motion.flow.Flow`."""
+    """The attributes of a body's motion that give contact points: base of :class:`integrable.motion.flow.Flow`."""
 
     @cached_property
     def setup(self) -> Setup:

@@ -122,7 +122,7 @@ def rate_at(axes: Row, point: Row) -> Real:
 
 
 def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
-    """1/g after the addition of a translation. For an upright body only the chord is computed, not the sum."""
+    """1/g after the addition of a translation. For an upright body U and V of the sum are not computed."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
     q, l1, l0 = chord(curve_of(f), divisor_of(point), divisor_of(step))
@@ -142,9 +142,9 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
     √(1 + d(u1 + du0)) of each translation.
 
-    g² is proportional to U(1/d). As f(1/d) = 0, the polynomial U'' of the sum is P²/(l1²·U·U') at 1/d, where U' belongs
-    to the translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits if a 1 − dα_i is
-    small.
+    The chord y = V + UL/q, L = l1·x + l0, passes through the points of both divisors, U' being that of the translation.
+    With P = qV + LU the polynomial U'' of the sum is P²/(l1²·U·U') at 1/d, because f(1/d) = 0, and g² is proportional
+    to U(1/d). P loses digits if a 1 − dα_i is small.
     """
     curve, first = curve_of(f), divisor_of(point)
     height = 1 + d * (point[1] + d * point[0])

@@ -72,7 +72,7 @@ def amplitude(N: LongDoubles | Multiprecision, v: Array, k: Real) -> Array:
             break
     x = v * a * 2 ** len(levels)
     for ratio in levels[::-1]:
-        # the new x, x', satisfies sin(2x' − x) = ratio·sin x
+        # x is replaced by the x' with sin(2x' − x) = ratio·sin x
         x = (x + N.arcsin(np.clip(ratio * N.sin(x), -1, 1))) / 2
     return x
 

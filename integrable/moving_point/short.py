@@ -107,8 +107,8 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
 
 
 def first_half(room: ShortRoom) -> float:
-    """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
-    not the panels; the length is then doubled until the body turns far enough on each panel.
+    """Half the length of a panel of this motion. If branch points have very different sizes, panels can be far longer
+    than basic steps; their length is then doubled while the body turns by at most TURN radians on half a panel.
     """
     h, most, longer = panel_half(room.motion.half_step), TURN * room.motion.radian, 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
@@ -250,8 +250,8 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, with a clock, of 1/g divided
-    by four times its mean. Both are multiplied by ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
+    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, if t(τ) is needed, of 1/g
+    divided by four times its mean; both times ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):

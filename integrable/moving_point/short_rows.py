@@ -65,7 +65,7 @@ class Rule(NamedTuple):
 
 
 class FloatMotion(NamedTuple):
-    """One motion in floats; the units are those of its :class:`~integrable.moving_point.problem.Problem`."""
+    """One motion in floats, in the units of its :class:`~integrable.moving_point.problem.Problem` unless stated."""
 
     f: Row
     axes: Row
@@ -97,7 +97,7 @@ class FloatMotion(NamedTuple):
 
 
 class ShortRoom(NamedTuple):
-    """The motion, and working memory."""
+    """A motion and the working memory of its short run."""
 
     motion: FloatMotion
     wide: Row

@@ -56,9 +56,9 @@ LEAST_KAPPA = 2.0**-33
 
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
-    """Computes the translations by h/2^l for levels l up to FINEST or further. The expansion gives the translations at
-    levels where its truncation error is below the rounding of wide numbers; doubling gives the longer translations.
-    Returns whether the expansion suffices at some level.
+    """Computes the translations by h/2^l, h half the length of a panel, for levels l up to FINEST or further. The
+    expansion gives them at levels where its truncation error is below the rounding of wide numbers; doubling gives the
+    longer translations. Returns whether the expansion suffices at some level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
@@ -127,8 +127,8 @@ def expanded(rows: Expansion, axes: Row, eps: Real) -> Row:
 
 
 def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
-    """Computes the translations by h·x/2^level for all nodes x, in wide numbers and in floats. The ``level`` is the
-    first whose translations are not computed yet.
+    """Computes the translations by h·x/2^level for all nodes x, with h as in :func:`panel_steps`, in wide numbers and
+    in floats. The level is the first whose translations are not computed yet.
     """
     level, count = room.made[1], len(rule.nodes)
     while room.made[2] < FINEST + level:
@@ -146,7 +146,7 @@ def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
 
 def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Real) -> None:
     """Writes the translations to the j-th positive node of a level and to its mirror image, by one addition to
-    ``origin``.
+    the translation ``origin``.
     """
     count, power = len(rule.nodes), rule.sums[2 * j + 1]
     step = moving_point(room.steps, 10 * (HALF - level - abs(power)))
@@ -181,7 +181,7 @@ def steps_ahead(room: ShortRoom) -> None:
 
 
 def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
-    """Writes the sum of two rows of translations, restored to its level set, to row ``target``."""
+    """Writes the sum of two rows of translations, corrected as in :func:`led_on`, to row ``target``."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
     if no_level(wide, 0) or no_level(wide, 1) or no_level(wide, 2):

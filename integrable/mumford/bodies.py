@@ -63,7 +63,7 @@ class BodyFlow(MumfordFlow):
 
     @cached_property
     def _clocks(self) -> dict[int, SeriesClock | WalkedClock]:
-        """The last clock, under its number of digits."""
+        """The last clock; its key is its number of digits."""
         return {}
 
     def _places(self, times: list[Real]) -> list[Real]:

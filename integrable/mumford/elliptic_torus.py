@@ -1,10 +1,10 @@
 """States at far times of motions of genus 1 with real data: theta functions give sn, cn and dn of a phase linear in
 time.
 
-On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point of D moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ +
-(x₂ − x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
-signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the
-largest root.
+On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the divisor is one point, with x from x₁ to x₂ (:class:`EllipticOval`). There
+x − x₁ = (x₂ − x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn,
+cn and dn, signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where
+E is the largest root.
 """
 
 from __future__ import annotations
@@ -222,7 +222,9 @@ def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
 def _lift(
     N: LongField, model: CubicModel, slope: Real, oval: EllipticOval, given: tuple[Real, Sequence[Real]]
 ) -> tuple[Column, Column, Column, int]:
-    """(κ, the factor of σ, the factor of ν, the index of σ among R₁, R₂, R₃) for a lift given as (e, datum)."""
+    """(κ, s, n, k) for a lift given as (e, datum): σ is s times the root with index k among R₁, R₂ and R₃, and ν is n
+    times the product of the other two.
+    """
     e, (kappa, sigma, nu) = given
     x, swing = model.side * e, model.swing
     gaps = [abs(x - root) for root in (model.first, model.first + swing, model.first + swing + model.above)]

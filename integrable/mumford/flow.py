@@ -164,7 +164,7 @@ class MumfordFlow(StateFlow[Path]):
         return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The microseconds that the method after Taylor series takes for ``count`` times, its set-up included."""
+        """The microseconds that ``count`` states and the set-up take: on the torus, or without one by additions."""
         if self._of_a_torus:
             return (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
@@ -173,15 +173,15 @@ class MumfordFlow(StateFlow[Path]):
         return min(self._cost.of(count), LONGEST)
 
     def _near(self, times: np.ndarray) -> Near | None:
-        """The states by Taylor series, in floats: at all ``times`` that series reach at a lower cost than the next
-        method. None over a field other than RR, or if the formulas of the system cannot be recorded.
+        """The states by Taylor series, in floats: at all ``times`` that series reach at a cost below
+        :meth:`_budget`. None over a field other than RR, or if the formulas of the system cannot be recorded.
         """
         kind = None if times.dtype.hasobject else self.system._kind
         return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
-        """The states in ``near``, and those at further ``times`` that Taylor series with more digits reach at a lower
-        cost than the next method. None if ``near`` is None.
+        """The states in ``near``, and those at further ``times`` that Taylor series with the finest steps reach at a
+        fraction of the cost of a torus, or without a torus below that of additions. None if ``near`` is None.
         """
         if near is None:
             return None

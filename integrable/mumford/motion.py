@@ -275,7 +275,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
             # bisection if convergence is slow: with the cubic alone the steps may alternate between both sides forever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` of the mean
+            # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` times the mean
             # rate; ``flat`` decreases if steps are then too short
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)

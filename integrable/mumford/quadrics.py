@@ -121,12 +121,13 @@ class QuadricSystem(MumfordSystem):
         return Point(q, p)
 
     def step(self, state: Point, point: tuple[Real, Real], roots: Sequence[Real] | None = None) -> Point:
-        """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion; all l_i must be 0.
+        """The state of D + (λ, μ) − ∞, where D is the pair of ``state``; all l_i must be 0.
 
-        ``point`` = (λ, μ) with μ² = f(λ). On the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ
-        the leading coefficient of f, and c = (μ − V(λ))/U(λ). ``roots`` replaces the square roots in A. For large λ the
-        map is a time step of about 1/√(ℓλ), forward or backward by the sign of μ. ArgumentError if the point is not on
-        the curve, NotASquare if a square root does not exist.
+        The map is canonical and commutes with the motion. ``point`` is (λ, μ) with μ² = f(λ). On the axes
+        q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ the leading coefficient of f, and
+        c = (μ − V(λ))/U(λ). ``roots`` replaces the square roots in A. For large λ the map is a time step of about
+        1/√(ℓλ), forward or backward by the sign of μ. ArgumentError if the point is not on the curve, NotASquare if a
+        square root does not exist.
         """
         if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
