@@ -2,9 +2,9 @@
 parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
-Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a and b be as in
-``variations``, w₁ and w₂ the right-hand sides there, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb,
-da'/dτ = (w₁ + σw₂)/g and db/dτ = w₂/g the derivatives are
+Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a, b and (w₁, w₂) =
+(ȧ + ρb, ḃ) be as in ``variations``, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb, da'/dτ =
+(w₁ + σw₂)/g and db/dτ = w₂/g the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
@@ -199,7 +199,7 @@ class TorusVariations:
 
 
 def _noise(most: np.ndarray) -> np.ndarray:
-    """For each part the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
+    """For each integrand the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
     found: np.ndarray = NOISE * most.max() / np.maximum(most, NOISE * most.max())
     return found
 

@@ -38,10 +38,10 @@ from jacobian.numbers.long_reals import BareReals
 
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
-# the first and the largest number of samples of dt/dτ, of which modes below the fraction NOISE of the mean are rounding
-# errors
+# dt/dτ is sampled on FIRST_GRID, then on finer grids of up to MOST_SAMPLES points, until modes that are not sampled are
+# below NOISE times the mean, the size of rounding errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
-# modes below this fraction of the mean are not needed in floats
+# modes w_n of a coefficient of dφ below this fraction of its mean are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
@@ -303,7 +303,7 @@ class SeparatedTorus:
 
     @cached_property
     def in_floats(self) -> OvalAngles:
-        """The sums of the g forms in floats."""
+        """The integrals of the g forms, summed over the points, as functions of the angles in floats."""
         genus = len(self.ovals)
         means = np.array([[float(x) for x in row[:genus]] for row in self.means])
         waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self.waves]

@@ -52,7 +52,7 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def certify(self, times: Numbers, digits: int | None = None) -> AnyRun:
-        """The states of :meth:`at`, each compared with a run at 15 more digits: at 30 digits for RR.
+        """The states of :meth:`at`, each compared with that of a run with 15 more digits; for RR, with 30 digits.
 
         The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). The error
         of a state is the larger one of the errors of its two vectors. Errors of M, q and p are relative to the largest
