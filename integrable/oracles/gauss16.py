@@ -156,9 +156,8 @@ def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
-    """(h·|c|)² relative to γ and M, where c is the last Legendre coefficient of the slopes ``k`` of the stages.
-
-    This is an estimate of the step's error, of order h^16.
+    """The larger of (h·|c|)²/|γ|² and (h·|c|)²/|M|², where c is the last Legendre coefficient of the slopes ``k`` of γ
+    or of M at the stages: an estimate of the step's error, of order h^16.
     """
     found = 0.0
     half = len(y) // 2

@@ -67,7 +67,7 @@ class Sensitivity(Record):
     def secular(self) -> np.ndarray:
         """The part of ``matrix`` that grows with t, of the same shape.
 
-        If ``way`` is "differences", its computation needs other motions, and for a ball the modes of 1/g.
+        If ``way`` is "differences", this part is computed from further motions, and for a ball from the modes of 1/g.
         NotRepresentable where the motion lies on no torus, and for a system other than a body if it turns about an axis
         or moves as a whole, or if t is not linear in its phases. PrecisionLoss where the modes are too many.
         """

@@ -57,7 +57,7 @@ class StateFlow(Generic[AnyRun]):
         The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). The error
         of a state is the larger one of the errors of its two vectors. Errors of M, q and p are relative to the largest
         component of the vector. The inputs count as exact, except that states are projected onto their constraints.
-        PrecisionLoss where fewer than ``digits`` agree; by default all digits but one of MP(digits), 12 of RR.
+        PrecisionLoss where fewer than ``digits`` agree: by default 12 over RR, one less than the field's own over MP.
         ``certify`` compares two computations; ``enclosure`` has proven bounds.
         """
         from integrable.portrait.certificate import agreement
