@@ -94,7 +94,7 @@ class Sensitivity(Record):
 
 
 def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
-    """The sensitivity at times of the flow's field, by differences of motions in more digits."""
+    """The sensitivity at ``times``, by differences of motions that are computed with more digits."""
     (inputs, names), (digits, size) = flow._inputs(), expected(flow, times)
 
     def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
