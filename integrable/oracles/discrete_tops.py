@@ -1,6 +1,6 @@
-"""Published discretizations of the Euler top, d = 0: Moser–Veselov with its attitude, and Hirota–Kimura.
+"""Published discretizations of the Euler top, d = 0: Moser–Veselov and Hirota–Kimura.
 
-* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991) with the attitude that turns γ. It
+* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991); the rotation of a step also turns γ. It
   preserves |M|², (γ, M), |γ| and the energy. Its order is 2, or 4 with the modified moments of Hairer and Vilmart
   (2006).
 * :func:`hirota_kimura`: the explicit birational Euler top of Hirota and Kimura (2000), which is Kahan's rule on

@@ -6,7 +6,7 @@ a_i = 1/I_i and constants A_i, λ, u_0 and n,
 
     M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)).
 
-The vector γ, fixed in space, turns by −φ about M, measured from the normal to M and the third axis. Phases are reduced
+The vector γ, fixed in space, turns by −φ about M relative to the normal to M and the third axis. Phases are reduced
 modulo their periods in extended precision, so the error does not grow with t. With t taken as exact, floats are as
 accurate at t = 10^12 as at t = 1. Nothing here is shared with the flow of this package.
 """
@@ -190,7 +190,7 @@ def _steady(a: Vector, M: Vector) -> bool:
 
 
 def _axes(a: Vector, M: Vector) -> tuple[list[int], int]:
-    """The axes in the order of the closed form, with the one that M circles last, and the sign of this permutation."""
+    """The axes in the order of the closed form, in which M circles the last one, and the sign of this permutation."""
     order = sorted(range(3), key=lambda i: a[i], reverse=True)
     i, j, k = order
     if (a[i] - a[j]) * M[i] ** 2 > (a[j] - a[k]) * M[k] ** 2:

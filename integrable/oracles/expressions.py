@@ -139,7 +139,7 @@ _DO: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class _Book:
-    """The recorded lines without repetition, and the value of each at one state, for formulas that compare numbers."""
+    """The recorded lines without repetition, and their values at one state, with which a formula's comparisons work."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []

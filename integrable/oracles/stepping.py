@@ -77,7 +77,7 @@ def by_sign(
     the number of evaluations.
     """
     rows, half, work = np.empty((len(wanted), len(start))), len(start) // 2, 0
-    if len(wanted) and wanted[0] >= 0 and (wanted[1:] >= wanted[:-1]).all():  # the usual case
+    if len(wanted) and wanted[0] >= 0 and (wanted[1:] >= wanted[:-1]).all():  # ascending times ≥ 0, the usual case
         first = int(np.searchsorted(wanted, 0.0, "right"))
         rows[:first] = start
         if first < len(wanted):

@@ -155,8 +155,8 @@ Moving = TypeVar("Moving", bound=InBalls)
 def enclosed(
     motions: Precisions[Moving], times: Sequence[Real], guesses: Sequence[Real] | None, lost: Callable[[Real], int]
 ) -> list[Row]:
-    """The rows at physical ``times``, for which ``guesses`` are approximate values of τ; without guesses ``times`` are
-    values of τ. ``lost(τ)`` is a guess of the number of bits that balls lose until τ.
+    """τ, state and radius at each of the ``times``: physical times, for which ``guesses`` are approximate values of τ,
+    or values of τ if there are no guesses. ``lost(τ)`` is a guess of the number of bits that balls lose until τ.
     """
 
     def read(motion: Moving, i: int) -> tuple[Vectors, arb]:

@@ -28,14 +28,14 @@ MOST_INDEX = 10**6
 
 
 def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real, Real]:
-    """The eigenvalues (λ1, λ2) at (u1, u2, p1, p2): λ_k = φ(u_k)p_k²."""
+    """The eigenvalues (λ1, λ2) of the recursion operator at (u1, u2, p1, p2): λ_k = φ(u_k)p_k²."""
     u1, u2, p1, p2 = _four(body, point)
     K = body.field
     return K.mul(phi(body, u1), K.mul(p1, p1)), K.mul(phi(body, u2), K.mul(p2, p2))
 
 
 def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
-    """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij."""
+    """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij with the :func:`eigenvalues` λ_i."""
     values = eigenvalues(body, point)
     return weighted_matrix(body.field, values)
 
@@ -83,8 +83,8 @@ def nijenhuis_torsion(
 
 
 def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:
-    """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for Π'
-    where one λ_k vanishes. FieldError over an inexact field, where rounding leaves the rank undecided.
+    """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for
+    :func:`second_bracket` where one of its λ_i is 0. FieldError over an inexact field: rounding hides the rank there.
     """
     if not check_field(K, "K").exact:
         raise FieldError(f"K = {K.name}: a rank is not decided over an inexact field")

@@ -74,7 +74,8 @@ def rho_inverse(K: Field, point: Separated) -> Separated:
 
 
 def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
-    """The hat variables (û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ of (u, p), again canonical.
+    """The hat variables (û, p̂), again canonical: (u, p) mapped by :func:`rho`, by :func:`conic` with x0 = y0 = 0,
+    and by :func:`rho_inverse`.
 
     p̂ = −ℓ(û)/φ(û) with ℓ the line through the points (u_k, φ(u_k)p_k).
     """

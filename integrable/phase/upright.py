@@ -143,8 +143,8 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     rolling, double = d * h1, 2 * c
     rest = h2 - rolling
     whole = root(rest * rest + double * double * rolling)
-    # where digits would cancel in whole + rest, it is computed as 4c²dH1/(whole − rest). In the same way total·(1 + kc)
-    # = whole + below is 4c²|γ × M|²/(whole − below)
+    # a sum in which digits would cancel is computed as a quotient: whole + rest = 4c²dH1/(whole − rest), and
+    # total·(1 + kc) = whole + below = 4c²|γ × M|²/(whole − below)
     total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
     k = -(double / total)
     below = rest - double * c

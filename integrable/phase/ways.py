@@ -71,8 +71,8 @@ class InOrder:
 class StatesReached(NamedTuple):
     """States of a motion, as q and p of shape (N, 2, n), and the name of the ``way`` that computed them.
 
-    ``places`` are the indices of the times of these states; None means all times, in order. ``error`` is an estimate
-    relative to the largest component of q, or of p.
+    ``places`` are the indices of the times of these states; None means all times, in order. ``error`` estimates
+    their largest error, relative to the largest component of q, or of p.
     """
 
     way: str

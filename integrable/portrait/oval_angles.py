@@ -19,9 +19,10 @@ Array = np.ndarray
 
 
 class OvalAngles(NamedTuple):
-    """The sums of g forms over g points at angles φ_i: Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i).
+    """The integrals of g differential forms, each a sum over g points at angles φ_i in their ovals.
 
-    ``means`` has the shape (g, g), for each oval and form; each of ``waves`` has the shape (n, g).
+    The sums are Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i). ``means`` has the shape (g, g), for each oval and form;
+    each of ``waves`` has the shape (n, g).
     """
 
     means: Array

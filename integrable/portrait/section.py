@@ -11,8 +11,8 @@ component along the axis of the least moment vanishes where u2 = a₃. Every mot
 once per turn of u1 or of u2.
 
 From one crossing of the first section to the next the phase of u2 turns by −A1/B1; from one crossing of the second to
-the next the phase of u1 turns by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion lies
-on its own curve,
+the next the phase of u1 turns by B1/A1. On the first section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each
+motion lies on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """
@@ -98,7 +98,7 @@ class BodySection(Section):
         return found
 
     def figure(self) -> Figure:
-        """A picture: the crossings, with the curves of other motions of the same upright body."""
+        """A picture: the crossings; for the largest moment also the curves of other motions of the upright body."""
         from integrable.portrait.pictures import section_figure
 
         return section_figure(self)

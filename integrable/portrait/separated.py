@@ -38,10 +38,10 @@ from jacobian.numbers.long_reals import BareReals
 
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
-# the first and the largest number of samples of dt/dτ, of which modes below the fraction NOISE of the mean are rounding
-# errors
+# dt/dτ is sampled on FIRST_GRID, then on finer grids of up to MOST_SAMPLES points, until modes that are not sampled are
+# below NOISE times the mean, the size of rounding errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
-# modes below this fraction of the mean are not needed in floats
+# modes w_n of a coefficient of dφ below this fraction of its mean are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
@@ -261,7 +261,7 @@ class SeparatedTorus:
             whole.append(N.nearest(turned))
             rest.append(turned - whole[-1])
         angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float))[0].tolist()]
-        # Newton's steps from floats double the digits
+        # each step of Newton's method doubles the digits, of which the start has those of floats
         for _ in range(math.ceil(math.log2(N.bits / FLOAT_BITS)) + 1):
             gaps = [x - y for x, y in zip(self.phase_of(self._sums(angles)), rest, strict=True)]
             wanted = [
@@ -303,7 +303,7 @@ class SeparatedTorus:
 
     @cached_property
     def in_floats(self) -> OvalAngles:
-        """The sums of the g forms in floats."""
+        """The integrals of the g forms, summed over the points, as functions of the angles in floats."""
         genus = len(self.ovals)
         means = np.array([[float(x) for x in row[:genus]] for row in self.means])
         waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self.waves]

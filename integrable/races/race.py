@@ -2,9 +2,9 @@
 
 The settings of a method form a ladder; each of them is a rung. Each setting is first tried over 1 % and 4 % of the
 time span. If these trials predict a run beyond the limit, this setting and the tighter ones of the method are left out.
-Then all methods run in turn at one rung, so a slow second of the machine affects all methods alike. The time of a run
-is that of its set-up and its evaluation (:class:`integrable.oracles.method.Spent`). Results include the uncertainty of
-the truth.
+Then the methods that take less than 0.2 s run in turn at one rung, so a slow second of the machine affects them alike.
+The time of a run is that of its set-up and its evaluation (:class:`integrable.oracles.method.Spent`). Results include
+the uncertainty of the truth.
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        # after cancellation in a sum its parts overlap, and products of it would have only float accuracy
+        # after cancellation the two parts of a sum overlap, and products with this sum would have only float accuracy
         cancels = self.wide >= CAREFUL and self.tape.kinds[n] in (SUM, DIFFERENCE)
         if x[1] and (k == 0 or cancels):
             x = fast_two_sum(self.text, *x)
@@ -241,8 +241,8 @@ class Sums:
         text, sides, begin = self._vector(nodes), self.room.sides[nodes], self._loop.begin
         left, right, square = sides[0], sides[-1], len(sides) == 1
         at_once, last = (AT_ONCE // 2, (begin - 1) // 2) if square else (AT_ONCE, begin - 1)
-        # the first terms, j ≤ ``first``, are added after the loop, because their right factors are the newest; they
-        # leave a multiple of ``at_once`` terms to it
+        # the first terms, j ≤ ``first``, are added after the loop, because their right factors are the newest. The
+        # number of terms in the loop is a multiple of ``at_once``
         first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
         sums = [text.real(0.0)] * AT_ONCE
         if square:
