@@ -13,7 +13,7 @@ Wide = tuple[str, str]
 
 
 class Text(Code):
-    """Instructions on vectors of ``lanes`` floats. Positions in memory are numbers of such vectors from pointer %s."""
+    """Instructions on vectors of ``lanes`` floats. The position n in memory is n such vectors after the pointer %s."""
 
     def __init__(self, lanes: int, before: Text | None = None) -> None:
         super().__init__(types_in(lanes))

@@ -71,7 +71,8 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 
 
 def first_use(task: Task) -> tuple[float, float]:
-    """The seconds that the flow in floats spends once per machine, and until its first answer, for a kind of system.
+    """Two times of the flow in floats: the seconds spent once per machine for a kind of system, and those until the
+    first answer.
 
     Both are measured at the flow's first use in this process, as for the other methods. They include imports, and
     compiling or loading compiled code.

@@ -133,8 +133,8 @@ class BodyTorus:
 
 
 def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
-    """(ε₁, ε₂, δ₁, δ₂) of the theta functions that belong to the branch points α1, α2 and α3. ``points`` are these and
-    ζ (:mod:`integrable.torus.states`).
+    """(ε₁, ε₂, δ₁, δ₂) of the theta functions that belong to the branch points α1, α2 and α3. ``points`` are α1, α2,
+    α3 and ζ (:mod:`integrable.torus.states`).
     """
     # α_i that are equal in floats are distinguished by their index
     *axes, zeta = points
@@ -147,8 +147,8 @@ def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
 class TorusFlow(BodyTorus):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    PrecisionLoss where the torus is not compact, needs more than MOST_SAMPLES samples of 1/g, or where the loops lose
-    too many digits.
+    PrecisionLoss where the torus is not compact, where 1/g needs more than MOST_SAMPLES samples, and where the loops
+    lose too many digits.
     """
 
     way = "torus"
@@ -163,7 +163,7 @@ class TorusFlow(BodyTorus):
         self._turns_in_t = [nu1 / mean, nu2 / mean] if rolls else self._turns
         if not all(map(isfinite, self._turns + self._turns_in_t)):
             raise PrecisionLoss(BEYOND)
-        # a basic step in units of τ
+        # a basic step (:attr:`Setup.step_length`) in the user's τ
         self._step = 2 * float(problem[HALF_STEP]) / scale
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}

@@ -69,7 +69,7 @@ class FarTimes:
         """Two times for each phase, one positive and one negative, in which it makes more than one turn. So they test
         the sign changes of the γ_i after a turn.
         """
-        # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
+        # beyond ``farthest`` a time in floats does not determine the faster phase, so no sign needs a test there
         farthest = FAR / max(map(abs, self.paces))
         return np.array([min(max(turns / nu, -farthest), farthest) for nu in self.paces for turns in TURNS])
 

@@ -78,8 +78,8 @@ class TorusIntegral:
         return together(self._series, *self._flow.phases(times, physical, self._doubled))
 
     def swings_and_rates(self, phases: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each part of the F of :class:`TorusIntegral`: its integral minus the mean rate times τ, and its value,
-        both at phases (N, 2) in turns.
+        """For each part of the F of :class:`TorusIntegral`: S with dS/dτ = F − (mean of F), and F, both at phases in
+        turns, shape (N, 2).
         """
         first, second = (phases / self._doubled).T
         return [series.swings_and_rates(first, second) for series in self._series]

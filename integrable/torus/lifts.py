@@ -195,7 +195,7 @@ def newton_step(target: Row, weights: Row, nudge: float, room: Row) -> tuple[flo
     return gap + rest, nudge * (ar * bb - br * ab) / area, nudge * (aa * br - ab * ar) / area
 
 
-# --- a check
+# --- a check of the torus by the equations of motion
 
 
 def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
@@ -242,9 +242,9 @@ def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) 
 
 
 class RateSums(NamedTuple):
-    """dt/dτ = s√q, or sq if not ``rooted``, with q = Σ a_n(f_nθ_n)²/Σ b_n(f_nθ_n)², a sum over two or three ``classes``
-    of theta functions from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞. ``numbers`` are a_n
-    and b_n of three classes, then s.
+    """dt/dτ = s√q, or sq if not ``rooted``, with q = Σ a_n(f_nθ_n)²/Σ b_n(f_nθ_n)². Both sums are over two or three
+    ``classes`` of theta functions, from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞.
+    ``numbers`` are a_n and b_n of three classes, then s.
 
     If the body is ``tilted``, the tilt term Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends
     with the c_i.
@@ -296,8 +296,8 @@ def gridded(
 def put_harmonics(
     sums: ThetaSums, classes: tuple[int, int], angle: tuple[Real, Real], room: Row, place: int, rows: int
 ) -> None:
-    """Writes (cosine, sine) of the harmonics of φ₁ in each theta series to room[place …], 2·``rows`` numbers apart.
-    ``classes`` are the first class and how many there are; ``angle`` is (cosine, sine) of πφ₁.
+    """Writes a pair (cosine, sine) for each harmonic of φ₁ in each theta series to room[place …], one pair every
+    2·``rows`` numbers. ``classes`` are the first class and their number; ``angle`` is (cosine, sine) of πφ₁.
     """
     height, (c, s) = sums.sizes[1], angle
     twice, sine = c * c - s * s, 2 * c * s

@@ -40,8 +40,8 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
 # because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps, wherever |σ₁σ₂σ₃| is largest: at one
-# of these points a σ may be too small to have a sign
+# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps (Setup.step_length), wherever
+# |σ₁σ₂σ₃| is largest: at one of these points a σ may be too small to have a sign
 STEPS = 4
 
 
@@ -117,7 +117,7 @@ class FoundModes(NamedTuple):
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
-        its last modes are that small. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
+        the last modes of the tables are. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
         where the last modes are only rounding errors, so that further modes would be no smaller.
         """
         rows, columns = self.size
