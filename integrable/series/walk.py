@@ -292,8 +292,8 @@ def begun(
 def onward(
     codes: Codes, bounds: Bounds, layout: Layout, most: float, room: Array, lane: int, course: Course, outputs: Outputs
 ) -> tuple[Course, bool]:
-    """Writes the rows that the series of both walks reach, and the next steps to memory. Returns the progress, and
-    whether a walk takes a step.
+    """Writes the rows that the series of both walks reach, and stores the next steps in memory. Returns the progress,
+    and whether a walk takes a step.
     """
     unit, tier, limit, steps, now, done, later, behind, seen = course
     times, ahead = outputs.times, -1.0 if outputs.times[len(outputs.times) - 1] < 0 else 1.0
@@ -530,7 +530,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
 
 
 def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[bool, float]:
-    """Whether the walks disagree in a row; their largest difference in q, p or a further part, relative to that part."""
+    """Whether the walks disagree in a row; their largest difference in q, p or a further part, relative to it."""
     half, width, count, both = layout.half, layout.parts * layout.half, len(outputs.times), outputs.both
     off, widest = False, 0.0
     for part in range(layout.parts):

@@ -283,8 +283,8 @@ class Study:
     def behind(self) -> list[Behind]:
         """The rows of comparators that the flow does not beat.
 
-        Rows of scenes that are :attr:`SceneFindings.long` come first. Among these and among the rest, rows that are more
-        accurate than the flow in the same time precede rows that are only faster; after that, run times descend.
+        Rows of scenes that are :attr:`SceneFindings.long` come first. Among these and among the rest, rows that are
+        more accurate than the flow in the same time precede rows that are only faster; then run times descend.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
         order = sorted(
