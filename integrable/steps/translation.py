@@ -1,8 +1,7 @@
 """Bäcklund maps as additions: D ↦ D + D' with D' on the current curve.
 
-Every such map preserves H1 and H2. It is canonical if D' is a point of fixed abscissa, the point at infinity, a branch
-point, or a sum of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through
-y' = √f(x')).
+Each map preserves H1 and H2. It is canonical if D' is a point of fixed abscissa, the point at infinity, a branch point,
+or a sum of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through y' = √f(x')).
 """
 
 from __future__ import annotations
