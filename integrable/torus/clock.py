@@ -148,8 +148,8 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 class RateSpectrum(NamedTuple):
     """Fourier coefficients of dt/dτ on a torus, in the layout of :mod:`integrable.torus.clock_modes`, and the shape of
-    the grid that resolves them. ``least`` is the smallest sample divided by the mean: where dt/dτ is small, τ amplifies
-    errors of t.
+    the grid that resolves them. ``least`` is the smallest sample divided by the mean: where dt/dτ is small, an error
+    of t becomes a larger one of τ.
     """
 
     values: Row
@@ -187,11 +187,12 @@ class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
     ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
-    turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
-    periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
+    turns by about a radian. Modes below ``noise`` of the largest are left out if they hardly move τ
+    (:class:`~integrable.torus.clock_modes.Cutoffs`). ``doubled`` are the periods of dt/dτ in turns. PrecisionLoss where
+    a mode is in resonance.
 
-    Near a resonance τ − t·(mean dτ/dt) oscillates by many turns, which amplify the rounding of phases. Up to ``most``
-    turns this changes γ by a few units of the last bit of a float.
+    Near a resonance τ − t·(mean dτ/dt) oscillates by many turns, which amplify the rounding of phases. As long as a
+    phase makes at most ``most`` turns, this rounding changes γ by a few units of the last bit of a float.
     """
 
     def __init__(

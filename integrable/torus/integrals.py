@@ -39,7 +39,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 class TimedRun(Protocol):
-    """States at physical times, or at values of τ."""
+    """A run whose states were requested at physical ``times``, or at values of τ if ``given_in_tau``."""
 
     times: np.ndarray
     tau: np.ndarray

@@ -37,8 +37,8 @@ TOGETHER = 64
 
 
 class Torus(NamedTuple):
-    """The theta functions of a motion. The k-th of ``sums``, θ_k (class k), belongs to branch point k; if there is one
-    more than there are factors, the last is θ_∞.
+    """The theta functions of a motion. The k-th of ``sums``, θ_k (class k), belongs to branch point k. If ``sums`` has
+    one series more than there are ``factors``, its last is θ_∞.
 
     ``places`` are the phases of the start in turns. σ at branch point k is ``factors[k]``·θ_k, before it is normalized.
     """
@@ -99,10 +99,10 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 
 class Limits(NamedTuple):
-    """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
-    the step of its difference quotients, in turns. If an oval is a double root, its two roots are moved slightly apart,
-    which adds to the lifts of the start. Lifts below the fraction ``smallest`` of the largest may consist of this
-    addition alone; ``smallest`` is 0 if no oval is a double root.
+    """Limits of Newton's method in :func:`met`. It ends if no lift differs from that of the start by more than the
+    fraction ``enough``. ``nudge`` is the step of its difference quotients, in turns. If an oval is a double root, its
+    two roots are moved slightly apart, which adds to the lifts of the start. Lifts below the fraction ``smallest`` of
+    the largest may consist of this addition alone; ``smallest`` is 0 if no oval is a double root.
     """
 
     enough: float
