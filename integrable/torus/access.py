@@ -234,7 +234,7 @@ class TorusFlow(BodyTorus):
             return None
 
     def _rows_at(self, times: np.ndarray) -> np.ndarray:
-        """γ, M and τ − t/mean, shape (N, 7)."""
+        """γ, M and τ − t/(mean of 1/g), shape (N, 7)."""
         rows, _, delays = self._rows_of_clock(times)
         return np.column_stack([rows, delays])
 

@@ -7,7 +7,7 @@ The phases of a divisor are the sums of the phases of its two points, the invari
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
 P over the first oval and Q over the second. 1/g of a tilted body has one more term, the *tilt term*, a multiple of the
-next sum. It is treated alike: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
+next sum. Its coefficients are such determinants too: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
