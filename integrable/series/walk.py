@@ -55,11 +55,11 @@ class Codes(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Bounds on the terms of a walk's series relative to q and to p, which determine its steps.
+    """Bounds on the terms of a walk's series, relative to q and to p. They determine the steps of the walk.
 
-    ``left_out`` bounds the last two terms, ``rounded`` the first two terms in floats. In the second walk these bounds
-    are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right. The
-    bounds are used only for times up to ``farthest`` times the length of the first step.
+    ``left_out`` bounds the last two terms, ``rounded`` the first two whose coefficients are floats. In the second walk
+    these bounds are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as
+    right. The bounds are used only for times up to ``farthest`` times the length of the first step.
     """
 
     left_out: float
@@ -114,7 +114,7 @@ class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
     ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will.
-    ``first`` is the number of rows up to the last comparison before the first lost one. ``gap`` is the largest
+    ``first`` is the number of rows up to the last compared row before the first lost one. ``gap`` is the largest
     difference of the walks, relative to the largest component of q, or of p.
     """
 
@@ -181,9 +181,9 @@ def walked(
     """The number of times reached, ``wrong``, ``lost`` and ``gap`` of :class:`Compared`, the number of steps, and the
     index of the bounds.
 
-    ``tiers`` are :class:`Bounds` one after the other. The first of them are used, from the index ``tier`` on, that
-    allow a walk as far as the last of the times. A walk that is estimated to need more than ``most`` steps is given up.
-    Times must be of one sign and ascend in size; otherwise the first number is −1.
+    ``tiers`` are :class:`Bounds` one after the other. The walk uses the first bounds from the index ``tier`` on whose
+    ``farthest`` admits the last time. A walk that is estimated to need more than ``most`` steps is given up.
+    Times must be of one sign and ascend in size; otherwise the number of times reached is −1.
     """
     course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
     goes = course.limit > 0
@@ -292,8 +292,8 @@ def begun(
 def onward(
     codes: Codes, bounds: Bounds, layout: Layout, most: float, room: Array, lane: int, course: Course, outputs: Outputs
 ) -> tuple[Course, bool]:
-    """Writes the rows that the series of both walks reach, and the next steps to memory. Returns the progress, and
-    whether a walk takes a step.
+    """Writes the rows that the series of both walks reach, and stores the next steps in memory. Returns the progress,
+    and whether a walk takes a step.
     """
     unit, tier, limit, steps, now, done, later, behind, seen = course
     times, ahead = outputs.times, -1.0 if outputs.times[len(outputs.times) - 1] < 0 else 1.0
@@ -530,7 +530,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
 
 
 def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[bool, float]:
-    """Whether the walks disagree in a row, and the largest difference relative to the largest number of its part."""
+    """Whether the walks disagree in a row; their largest difference in q, p or a further part, relative to it."""
     half, width, count, both = layout.half, layout.parts * layout.half, len(outputs.times), outputs.both
     off, widest = False, 0.0
     for part in range(layout.parts):

@@ -55,8 +55,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         return step.plain(state)
     condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
-        # near a double point of the curve the addition of divisors loses more digits than the condition says, and may
-        # raise
+        # near a double point of the curve the addition of divisors loses more digits than the condition says
         with suppress(PrecisionLoss):
             image = step.plain(state)
             lost = drift(step.system, image, state)
@@ -109,8 +108,8 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
 
 
 def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], State]]], count: int) -> list[State]:
-    """:func:`in_wider_numbers` for given attempts, tried in order. Each is (digits, function that makes the state for a
-    system with these digits).
+    """The states of :func:`in_wider_numbers`, from the first of the ``attempts`` that has enough digits. An attempt is
+    (digits, function that makes the state for a system with these digits).
     """
     K = step.system.field
     for digits, made in attempts:

@@ -105,7 +105,7 @@ class Multiplication(Move):
         kappas = coordinates.kappas(body)
         if K.zero in kappas:
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # for an even factor the roots never exist over the reals
+        # over the reals an even factor is refused here: κ of the middle axis is negative
         even = self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)

@@ -101,7 +101,7 @@ class Shift(Move):
             digits = needed + SPARE
 
     def _integrals(self, setup: Setup) -> tuple[Real, Real]:
-        """The two components of w in the units of the motion."""
+        """The components of w (:class:`Shift`) for the coordinates x/X and y/(2X²|M|) of the set-up (:func:`_top`)."""
         problem, wide = setup.problem, setup.wide
         h2 = problem.momentum * problem.momentum
         jets = JetField(wide, 2)

@@ -1,7 +1,7 @@
 """Bäcklund maps as additions: D ↦ D + D' with D' on the current curve.
 
-Every D' preserves H1 and H2. The map is canonical for points of fixed abscissa, the point at infinity, branch points,
-and sums of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through y' = √f(x')).
+Each map preserves H1 and H2. It is canonical if D' is a point of fixed abscissa, the point at infinity, a branch point,
+or a sum of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through y' = √f(x')).
 """
 
 from __future__ import annotations
@@ -298,5 +298,5 @@ def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...
 
 
 def _own(K: Any, x: Any) -> Any:
-    """An abscissa as a number of K; a complex number is taken as exact."""
+    """The abscissa x. A complex x over MP becomes a complex number with the digits of MP, without rounding."""
     return K.context.mpc(x) if not K.exact and K.dps and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x

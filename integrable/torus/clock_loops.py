@@ -41,8 +41,8 @@ class Clock(NamedTuple):
     ``doubled`` are the periods of 1/g, in turns of the phases. Of the modes of S, the series ``rough`` has the larger
     ones, ``series`` all, and ``quiet`` all but the largest. The pairs (k, m) of the largest are ``modes``; ``loud`` has
     a constant, and the real and imaginary parts of their coefficients. ``pace`` has mean rates: the turns of each phase
-    per unit of t, then per unit of τ, then dτ/dt and dt/dτ. ``inverse`` is that of
-    :func:`integrable.torus.theta_series.circle`.
+    per unit of t, then per unit of τ, then dτ/dt and dt/dτ. ``inverse`` is the result
+    of :func:`integrable.torus.theta_series.circle_numbers`.
     """
 
     doubled: tuple[int, int]

@@ -143,7 +143,7 @@ def clock_series(
     columns, (turns, doubled) = grid[1], given
     nu1, nu2, mean = turns[0], turns[1], turns[2]
     pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
-    # the rates of both phases, in periods of 1/g per unit of τ, the mean of 1/g, and 2π
+    # (rate of phase 1, rate of phase 2, mean of 1/g, 2π); rates are in periods of 1/g per unit of τ
     rates = nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
     resonant, bound, swing = swings(values, grid, rates, limits, tables)
     tables.counts[8] = -1 - resonant

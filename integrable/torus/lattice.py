@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# a quantity above this is counted in the unit 1; a smaller one in the largest power of two that does not exceed it
+# the unit of a length or a lift above CLOSE is 1 (:func:`_near_power`)
 CLOSE = 2.0**-6
 # with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
 # the larger one, and |γ × M|² is more than APART·|M|²
@@ -72,7 +72,7 @@ class Units(NamedTuple):
 
 
 def _near_power(x: float) -> float:
-    """The power of two in which a length or a lift of size x is counted (CLOSE)."""
+    """The unit of a length or a lift of size x: 1 for x above CLOSE, otherwise the largest power of two up to x."""
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
@@ -124,8 +124,8 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which the roots u1 and u2 of U move. Here α_i =
     a_i/max a and ζ = h1/(h2·max a).
 
-    PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line
-    on a compact torus of dimension two.
+    PrecisionLoss if the ovals come ``near`` each other (the separatrix): the motion is then not a line on a compact
+    torus of dimension two.
     """
     low, middle, high = sorted(problem.axes[:3])
     first, second = (low, min(problem.ratio, middle)), (max(problem.ratio, middle), high)

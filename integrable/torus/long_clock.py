@@ -76,7 +76,7 @@ class LongClock:
         return total
 
     def _start(self, t: Real) -> Real:
-        """The τ at which the mean rate and the slow modes alone give t. Their sum increases with τ."""
+        """The τ at which mean·τ plus the contribution of the slow modes is t. This sum increases with τ."""
         x = t / self.mean
         if not self._slow or not t:
             return x
@@ -95,7 +95,7 @@ class LongClock:
 
     def _shifts(self, starts: list[Real]) -> list[Real]:
         """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0 by Newton's method, in
-        floats first. S is the series of t, θ are the phases of a start, ν the frequencies; mean includes slow modes.
+        floats first. S is the series of t, θ are the phases of a start, ν the frequencies; mean includes the slow rate.
         """
         angles = [phases(start, self.frequencies, self.wide) for start in starts]
         rough = np.array(angles, dtype=float).reshape(-1, 2)

@@ -7,7 +7,7 @@ The phases of a divisor are the sums of the phases of its two points, the invari
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
 P over the first oval and Q over the second. 1/g of a tilted body has one more term, the *tilt term*, a multiple of the
-next sum. It is treated alike: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
+next sum. Its coefficients are such determinants too: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
@@ -40,8 +40,8 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
 # because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps, wherever |σ₁σ₂σ₃| is largest: at one
-# of these points a σ may be too small to have a sign
+# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps (Setup.step_length), wherever
+# |σ₁σ₂σ₃| is largest: at one of these points a σ may be too small to have a sign
 STEPS = 4
 
 
@@ -117,7 +117,7 @@ class FoundModes(NamedTuple):
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
-        its last modes are that small. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
+        the last modes of the tables are. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
         where the last modes are only rounding errors, so that further modes would be no smaller.
         """
         rows, columns = self.size

@@ -112,9 +112,6 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
     return pole * pole - a * pole + b, a - 2 * pole, y - slope * pole, slope
 
 
-# --- a check
-
-
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
     """Compares the pairs with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
     count = len(torus.ends)

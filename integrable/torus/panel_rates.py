@@ -25,8 +25,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
-# the decrease of the Legendre coefficients of 1/g is measured with SCOUT_NODES nodes, on a basic step or on a longer
-# panel, up to the last coefficient that exceeds LEAST_SEEN
+# the decrease of the Legendre coefficients of 1/g is measured with SCOUT_NODES nodes, on a basic step
+# (Setup.step_length) or on a longer panel, up to the last coefficient that exceeds LEAST_SEEN
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
 # if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
@@ -97,7 +97,7 @@ class Scouts:
         self._rules: dict[int, tuple[LegendreSeries, list[Row]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """The least number of digits gained per Legendre coefficient of 1/g on panels of ``length`` basic steps."""
+        """The fewest digits gained per Legendre coefficient, on panels of ``length`` steps (Setup.step_length)."""
         if (sign, length) not in self._found:
             sizes = self._sizes(sign, length)
             most = max(sizes[1:])
@@ -120,7 +120,7 @@ class Scouts:
         return sizes
 
     def _rule(self, length: int) -> tuple[LegendreSeries, list[Row]]:
-        """The Legendre series on a panel of ``length`` basic steps, and the translations to the panel's nodes."""
+        """The Legendre series on a panel of ``length`` steps (Setup.step_length), and the translations to its nodes."""
         if length not in self._rules:
             problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
             translations = Translations(reals, problem.f, problem.axes, problem.half_step)

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
 # products of matrices have up to ONE_THREAD multiplications: above that NumPy uses several threads, which wait in busy
-# loops. Where this allows fewer than FEWEST phases at a time, all are summed at once, as large tables are slow to read
+# loops. If such a product takes fewer than FEWEST phases, all are summed at once, as large tables are slow to read
 ONE_THREAD, FEWEST = 1 << 15, 4
-# in floats smaller modes may underflow
+# modes below TINY may underflow in floats
 TINY = 1e-290
 # the size up to which transforms of long numbers are direct sums
 SHORT = 8
@@ -294,7 +294,7 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
 
 
 def needed_size(modes: np.ndarray, noise: float) -> int:
-    """:func:`needed_sizes` in one direction, from the largest mode of each row, relative to the largest of all."""
+    """One of the :func:`needed_sizes`; ``modes`` are the largest mode of each row, relative to the largest of all."""
     half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     return size_wanted(folded.tolist(), len(modes), noise)

@@ -1,8 +1,8 @@
 """Theta functions of genus 2 on a real torus, as real Fourier series, compiled.
 
 With the period matrix τ and the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(z + ½δ)), n in Z² + ½ε. On
-the torus z = φ + τq with real φ and half-integral q it is the series at φ with ε + 2q for ε, times a factor that
-cancels in quotients. That series is real up to a constant factor. Its terms of n and −n are combined.
+the torus z = φ + τq, with real φ and half-integral q, θ[η](z) is the series at φ with ε + 2q in place of ε, times a
+factor that cancels in quotients. That series is real up to a constant factor. Its terms of n and −n are combined.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class ThetaSums(NamedTuple):
     ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = ε₁, ε₁
     + 2, …, columns b = ε₂, ε₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the coefficients w± of n = (a, ±b)/2,
     first of θ, then of its derivative along a direction. Entries after the first ``lengths`` columns of a row are
-    negligible. ``chars`` are ε₁, ε₂, δ₁, δ₂ of each class. ``inverse`` is that of :func:`circle`.
+    negligible. ``chars`` are ε₁, ε₂, δ₁, δ₂ of each class. ``inverse``: see :func:`circle`.
     """
 
     table: Row
@@ -105,7 +105,7 @@ class Lattice(NamedTuple):
 
 
 def exponential(x: Real, inverse: Row) -> Real:
-    """e^x, from its series at x/2^n below ½; ``inverse`` is that of :func:`circle`."""
+    """e^x, from its series at x/2^n below ½; ``inverse`` is the result of :func:`circle_numbers`."""
     halvings = 0
     while abs(float(x)) >= 0.5:
         x, halvings = x / 2, halvings + 1
@@ -215,7 +215,7 @@ def raised(x: Real, n: int) -> Real:
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """The pair (cos, sin) of an angle given in turns; ``inverse`` is that of :func:`circle_numbers`."""
+    """The pair (cos, sin) of an angle given in turns; ``inverse`` is the result of :func:`circle_numbers`."""
     whole = turns - float(floor(float(turns) + 0.5))
     quarters = floor(4 * float(whole) + 0.5)
     y = (whole - quarters / 4) * inverse[0]

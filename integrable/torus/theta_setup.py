@@ -120,7 +120,7 @@ def rule_of_phases() -> np.ndarray:
 
 def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float, float]:
     """The phases of the start in floats, in turns: the integrals of (dx/y, x dx/y) from e₁ and e₃ to the points of the
-    divisor, in units of the periods ``found``. ``rule`` is that of :func:`rule_of_phases`.
+    divisor, in units of the periods ``found``. ``rule`` is the result of :func:`rule_of_phases`.
     """
     u0, u1, v0, v1 = start[0], start[1], start[2], start[3]
     square = u1 * u1 / 4 - u0
