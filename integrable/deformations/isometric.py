@@ -37,7 +37,7 @@ class Check(IsometricDeformation):
     """
 
     def isometry(self) -> Isometry:
-        """The isometry to the tilde pair of A⁻¹: B² = A, H = −e3·H̃."""
+        """The :class:`Isometry` to the tilde pair of A⁻¹: B² = A and ``factor`` = −e3, with e3 = a1·a2·a3."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
@@ -81,7 +81,7 @@ class Hat(IsometricDeformation):
         return H, field.div(K, field.mul(a1, field.mul(a2, a3)))
 
     def isometry(self) -> Isometry:
-        """The isometry to the tilde pair of A⁻¹: B² = A^∨ = e3·A⁻¹, H = e3·H̃."""
+        """The :class:`Isometry` to the tilde pair of A⁻¹: B² = e3·A⁻¹ and ``factor`` = e3, with e3 = a1·a2·a3."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a

@@ -77,8 +77,9 @@ def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int
 
 
 def paces(first: Row, second: Row, numbers: Row, table: Row) -> None:
-    """Writes 1/g to ``table``, with a row for each height in ``first`` and a column for each in ``second``, and
-    replaces each height z_k by weight_k(1 + dz_k), its share of g². ``numbers`` are d and the weights.
+    """Writes 1/g to ``table``. Its rows belong to the heights z_1 (:func:`height`) in ``first``, of points of the first
+    curve, its columns to the z_2 in ``second``. Replaces each z_k by weight_k(1 + dz_k), its share of g². ``numbers``
+    are d and the weights.
     """
     columns = len(second)
     for i in abreast(0, len(first)):

@@ -84,8 +84,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
 class OvalCarrier(CurvesCarrier):
     """The motion of a tilde, check or hat pair over the field of ``system``.
 
-    ``pair`` is the tilde pair on whose curves the motion runs: ``inner``, the system with its axes in ascending order
-    of the moments, or for a check or hat pair the tilde pair of A⁻¹.
+    ``pair`` is the tilde pair on whose curves the motion runs. For a tilde pair it is ``inner``, the system with its
+    axes in ascending order of the moments; for a check or hat pair it is the tilde pair of A⁻¹.
     """
 
     pace: Pace

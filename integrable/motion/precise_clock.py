@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-# a long panel has LONG cells, an odd number, so that its centre is that of a cell; the first NEAR_CELLS cells belong to
-# no long panel
+# a long panel has LONG cells, intervals of one basic step (Setup.step_length). Their number is odd, so that the centre
+# of the panel is that of a cell. The first NEAR_CELLS cells belong to no long panel
 LONG = 9
 NEAR_CELLS = 27
-# on the first cells the clock may run this many times faster or slower than on later cells
+# the mean of dt/dτ over the first NEAR_CELLS cells may be this many times larger or smaller than over later cells
 UNEVEN = 4
 # long panels are used only if each Legendre coefficient is smaller than the one before by more than this many decimal
 # digits
@@ -142,7 +142,7 @@ class PanelClock(RatePanels):
         return self._resolved(lambda: self._inverse(t))
 
     def time(self, cell: int, x: Real) -> Real:
-        """The clock's time at a place."""
+        """t at the place (cell, x), −1 ≤ x ≤ 1."""
         return self._resolved(lambda: self._time(cell, x))
 
     def _resolved(self, compute: Callable[[], Found]) -> Found:

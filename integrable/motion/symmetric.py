@@ -43,7 +43,7 @@ from jacobian.element import Real
 if TYPE_CHECKING:
     from integrable.phase.state import State
 
-# up to this size θ − θ₀ is computed to full relative accuracy
+# where |θ − θ₀| is below this, F(θ) − F(θ₀) is computed without cancellation
 NEARBY = 0.75
 
 

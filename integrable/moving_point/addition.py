@@ -109,8 +109,9 @@ def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, t
 
 
 def rate_at(axes: Row, point: Row) -> Real:
-    """1/g at a moving point: 1/√Σσ², and for a tilted body (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ², where the
-    sum is over cyclic (i, j, k)."""
+    """1/g at a moving point, with (α1, α2, α3, κ1, κ2, κ3, α, β) = ``axes``: 1/√Σσ² for an upright body, and
+    (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ² for a tilted one. The second sum is over cyclic (i, j, k).
+    """
     x1, x2, x3 = point[4], point[5], point[6]
     rate = 1 / root(x1 * x1 + x2 * x2 + x3 * x3)
     if axes[7] == 0:

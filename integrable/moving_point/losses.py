@@ -10,7 +10,7 @@ from integrable.phase.body import energy
 from integrable.phase.coordinates import directions_of
 from jacobian.element import Real
 
-# NOTHING and −NOTHING stand for the decimal exponents of infinity and of 0
+# stands for the decimal exponent of infinity; −NOTHING stands for that of 0
 NOTHING = 10**9
 
 

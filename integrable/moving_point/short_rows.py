@@ -28,10 +28,10 @@ RATE, BEGIN, OFF = 10, 11, 17
 # of :mod:`integrable.moving_point.short` (SHADOW), and the relative correction after the addition (MOVED)
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
-# number of rows of wide points: one for a centre, and one for each level of halving
+# number of rows of wide points: one for the centre of a panel, and one for each level of halving
 POINTS = LEVELS + 1
-# AHEAD centres of the motion and as many of its shadow are computed together, so that all SIMD lanes are used. The rows
-# of ``ahead`` are the centres of the motion, those of the shadow, and the two starts
+# points of the motion and of its shadow at the centres of AHEAD panels are computed together, so as to fill SIMD lanes.
+# The rows of ``ahead`` are these points of the motion, those of the shadow, and the two points from which they start
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations: row HALF has the translation by h, half the length of a panel. Row HALF − l has that by

@@ -109,8 +109,8 @@ class Translations:
         return u0, u1, v0, v1, *sigma, *nu
 
     def _whole(self, sums: Row, terms: int, square: Real) -> Row:
-        """The four series at eps² = ``square``, from the ``sums`` of their first ``terms`` terms. Here these are the
-        series to the last digit; a subclass adds bounds of the remainders.
+        """The four series at eps² = ``square``, from the ``sums`` of their first ``terms`` terms. In this class
+        later terms do not change the last digit; a subclass adds bounds of the remainders.
         """
         return sums
 

@@ -164,7 +164,7 @@ class MumfordFlow(StateFlow[Path]):
         return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The microseconds that ``count`` states and the set-up take: on the torus, or without one by additions."""
+        """The microseconds for the set-up and ``count`` states: on the torus or, if there is none, by additions."""
         if self._of_a_torus:
             return (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)

@@ -102,7 +102,7 @@ class QuadricSystem(MumfordSystem):
         return Start(f, u, v, self._direction(N, len(v)), [Lift(axis[0]) for axis in free], data)
 
     def _along_axes(self, N: FormulaField, state: Point) -> Iterator[tuple[Real, ...]]:
-        """(a_i, εd_i, l_i, q_i, p_i) for each axis, d_i = f₁'(a_i)."""
+        """(a_i, εd_i, l_i, q_i, p_i) for each axis, with d_i = f₁'(a_i) and ε, l_i and f₁ of the module's docstring."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         signed = [self.sign * poly.evaluate(N, slopes, e) for e in a]

@@ -139,7 +139,7 @@ def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Pol
 def pairs_of(
     body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[Pair, ...] | None = None
 ) -> tuple[Pair, ...]:
-    """The pairs of a divisor, each with the sign that brings it closer to the pair of ``like``.
+    """The pairs (γ̂_i, n̂_i) of a divisor, each with the sign that brings it closer to the pair of ``like``.
 
     Without ``like`` the sign is that of the field's own root of γ̂², or of n̂² where γ̂ = 0: over the reals γ_i > 0.
     NotASquare where a γ̂_i² has no root in the field, NotRepresentable where moments coincide: (U, V) does not

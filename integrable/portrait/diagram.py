@@ -84,7 +84,7 @@ class Diagram(Record):
         return found
 
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(X, Z, rotation number) on a grid in X and ζ, for contours.
+        """(X, Z, rotation number) on a grid in X and ζ = H1/H2 of the upright body, for contours in the diagram.
 
         The arrays have the shape (count, 2·count) if all moments differ. The ζ are denser near the separatrix, which is
         excluded.

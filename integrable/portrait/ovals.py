@@ -80,7 +80,7 @@ class Level(NamedTuple):
 
     @property
     def contact(self) -> tuple[Real, Real, Real]:
-        """The numbers 1 − d̃a_i of the sorted a_i."""
+        """The numbers 1 − d̃a_i, with the sorted a_i and d̃ = ``d`` of this level."""
         a1, a2, a3 = self.a
         return 1 - self.d * a1, 1 - self.d * a2, 1 - self.d * a3
 
@@ -91,7 +91,7 @@ class Level(NamedTuple):
 
     @property
     def eps(self) -> Real:
-        """The rounding unit of the numbers."""
+        """The rounding unit of the level's numbers."""
         return FLOAT_EPS if isinstance(self.zeta, float) else self.zeta.context.eps
 
     @property

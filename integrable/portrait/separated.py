@@ -147,7 +147,7 @@ class SeparatedTorus:
 
     @cached_property
     def waves(self) -> list[list[list[Real]]]:
-        """The numbers 2w_n/n, n = 1, 2, …, for each oval and form, with the modes w_n of the coefficient of dφ."""
+        """For each oval and form c(φ)dφ: the numbers 2w_n/n, n = 1, 2, …, with the Fourier modes w_n of c."""
         import gmpy2
 
         N = self._field

@@ -202,7 +202,7 @@ class Sums:
     def _products(
         self, text: Text, sides: Sequence[Side], terms: Sequence[Term], k: int, before: Wide | None = None
     ) -> Wide:
-        """``before`` plus the sums of several products in one vector; their factors are contiguous in memory."""
+        """``before`` plus a vector with the sums of several products; the factors are side by side in memory."""
         wide = k <= self.wide
 
         def fetched(side: int, order: int) -> Wide:

@@ -178,7 +178,7 @@ class Recorded(Operand):
 
     @property
     def constant(self) -> object:
-        """The value of a constant, otherwise None."""
+        """The value of this number if it is a constant, else None."""
         recorder = self._recorder
         return recorder.constants[self.index] if recorder.nodes[self.index][0] == CONSTANT else None
 

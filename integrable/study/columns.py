@@ -69,7 +69,7 @@ def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tupl
 
 
 def once_cells(standings: Sequence[Standing]) -> tuple[str, ...]:
-    """Four ranges of seconds: spent once for each system by the flow and by its competitors, then once per machine."""
+    """Four ranges of seconds: once for each system, by the flow and by its competitors; once per machine, by both."""
     sides = ([s.flow for s in standings], [s.peer for s in standings if s.peer is not None])
     return tuple(_span([row[part] for row in side]) for part in ("system", "machine") for side in sides)
 

@@ -58,7 +58,7 @@ class Clock(NamedTuple):
 def states_at_times(
     body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row]
 ) -> None:
-    """Writes τ at physical times t, τ − t·(mean dτ/dt), and γ and M, six floats for each time, into ``found``.
+    """Writes three arrays for physical times t into ``found``: τ; τ − t·(mean dτ/dt); γ and M, six floats for each t.
 
     ``room`` is memory for powers, and for two phases at each time.
     """

@@ -124,8 +124,8 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which the roots u1 and u2 of U move. Here α_i =
     a_i/max a and ζ = h1/(h2·max a).
 
-    PrecisionLoss if the ovals come ``near`` each other (the separatrix): the motion is then not a line on a compact
-    torus of dimension two.
+    PrecisionLoss if the distance of the ovals is at most ``near``: next to a separatrix the motion is not a line on a
+    compact torus of dimension two.
     """
     low, middle, high = sorted(problem.axes[:3])
     first, second = (low, min(problem.ratio, middle)), (max(problem.ratio, middle), high)

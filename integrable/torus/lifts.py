@@ -37,10 +37,11 @@ TOGETHER = 64
 
 
 class Torus(NamedTuple):
-    """The theta functions of a motion. The k-th of ``sums``, θ_k (class k), belongs to branch point k. If ``sums`` has
-    one series more than there are ``factors``, its last is θ_∞.
+    """The theta functions of a motion. Series k of ``sums``, θ_k, belongs to branch point k. If ``sums`` has one series
+    more than there are ``factors``, its last is θ_∞.
 
-    ``places`` are the phases of the start in turns. σ at branch point k is ``factors[k]``·θ_k, before it is normalized.
+    ``places`` are the phases of the start in turns. σ at branch point k is ``factors[k]``·θ_k, times a factor that is
+    the same for all k.
     """
 
     sums: ThetaSums

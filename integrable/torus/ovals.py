@@ -1,6 +1,7 @@
 """One oval of a motion's curve as a circle of nodes: its periods, and integrals of functions times Fourier modes.
 
-:mod:`integrable.torus.oval_modes` uses the ovals and defines R. Numbers are python-flint's balls.
+:mod:`integrable.torus.oval_modes` uses the ovals, and defines the root R in some integrands. Numbers are
+python-flint's balls.
 """
 
 from __future__ import annotations
@@ -209,8 +210,8 @@ class Oval:
 
     @property
     def _at_end(self) -> bool:
-        """Whether the root R of :mod:`integrable.torus.oval_modes` vanishes at the end b only. So it does on a second
-        oval that begins at ζ and not at an α_i.
+        """Whether the root R of :mod:`integrable.torus.oval_modes` vanishes at the end b only, as on a second oval
+        that begins at ζ and not at an α_i.
         """
         return not (self._first or self._low)
 

@@ -80,7 +80,8 @@ def pair_between(ends: Row, sides: Row, lifts: Row, place: int) -> tuple[Real, R
 
 
 def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
-    """Writes the lifts that are results, then u₀, u₁, v₀ and v₁, for each pair of phases in turns from the start.
+    """Writes, for each pair of phases in turns from the start, σ and ν of the first lifts, as many as ``torus.sizes``
+    has factors for, then u₀, u₁, v₀ and v₁.
 
     ``out`` has a row of all points for each of these numbers. ``room`` is memory for the lifts.
     """

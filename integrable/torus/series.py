@@ -59,7 +59,7 @@ class TorusSeries:
         self._swing[kept] = self._slope[kept] / (2j * pi * turns[kept])
         kept &= sizes > noise * largest
         self._swing[~kept] = 0
-        # S + origin has mean 0
+        # S, which is 0 at the phases (0, 0), has the mean −origin
         self.origin = float(self._swing[kept].real.sum())
         self.bound = float(np.abs(self._swing).sum()) + abs(self.origin)
 
@@ -124,8 +124,8 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
 
 
 class SeriesLevel(NamedTuple):
-    """The modes of a :class:`LongSeries` needed for a number of digits. ``modes`` are the large ones in balls of
-    ``bits``, from the row 0 and the column ``first`` on; ``tail`` are those for which floats suffice.
+    """The modes of a :class:`LongSeries` needed for a number of digits. ``modes`` is the block of the large modes
+    (k, m), k ≥ 0 and m ≥ ``first``, in balls of ``bits`` bits. ``tail`` has the modes for which floats suffice.
     """
 
     first: int
@@ -172,7 +172,7 @@ class LongSeries:
                 for k, row in enumerate(rows)
             ]
             self._origin = sum((c.real for row in self._modes for c in row), flint.arb(0))
-            # S + origin has mean 0
+            # S, which is 0 at the phases (0, 0), has the mean −origin
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Real, Real]], digits: int | None = None) -> list[Real]:

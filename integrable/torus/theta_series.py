@@ -265,5 +265,5 @@ def circle_numbers(reals: BareReals, summed: int) -> list[Real]:
 
 @cache
 def inverse_factorials() -> Row:
-    """:func:`circle_numbers` in double-doubles."""
+    """2π and the 1/n! of :func:`circle_numbers`, in double-doubles."""
     return double_double_row(circle_numbers(BareReals(BITS), SUMMED))

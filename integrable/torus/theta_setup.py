@@ -60,7 +60,7 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
     before, d3, d4, c = (e2 - e1) - after, (e3 - e2) + after, (e4 - e2) + after, e2 - after
     last, one = r - d * c, 1 + 0 * d
     x1, x2, x3, x4, x5 = after / before, -one, -(after / d3), -(after / d4), -(d * after / last)
-    # X(e₁) − X at e₂, e₃, e₄ and at the root of r − dx
+    # x1 … x5 are X(x) = after/(c − x) at e₁, …, e₄ and at the root of r − dx; at2 … at5 are x1 − x2, …, x1 − x5
     at2, at3, at4 = (e2 - e1) / before, after * (e3 - e1) / (before * d3), after * (e4 - e1) / (before * d4)
     at5 = after * (r - d * e1) / (before * last)
     values = -(x2 * at2), -(x3 * at3), -(x4 * at4), -(x5 * at5)
@@ -189,11 +189,12 @@ def surveyed_rates(
 ) -> None:
     """Writes the ``matrix`` of :class:`~integrable.torus.states.BodyStates`; the ``rates`` of
     :class:`~integrable.torus.clock.TorusClock`, in the user's units; and to ``out`` the numbers of the
-    :class:`~integrable.torus.lifts.RateSums`: a_i = r − dα_i, b_i = 1, s = α·lift, and c_i = β(α_k − α_j)/lift².
+    :class:`~integrable.torus.lifts.RateSums`: a_i = r − d'α_i, b_i = 1, s = α·lift, and c_i = β(α_k − α_j)/lift².
 
     ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` the result of
     :func:`torus_periods`, ``motion`` a :func:`integrable.torus.lattice.motion_row`; ``tilt`` are α and β of
-    :func:`integrable.moving_point.addition.rate_at`, ``units`` the length and the lift of the motion's units.
+    :func:`integrable.moving_point.addition.rate_at`, ``units`` the length and the lift of
+    :class:`integrable.torus.lattice.Units`, which defines r and d'.
     """
     (length, lift), d = units, motion[8]
     scale = problem[TIME_SCALE] * (length * lift)

@@ -131,7 +131,7 @@ def plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> Non
 
 
 def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm; the two may be one array."""
+    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm; ``result`` may be a."""
     g = curve[0]
     if C.genus > 0:  # noqa: SIM102  # known at compile time: the steps below are not compiled for Plain
         if a[0] == g + 1:

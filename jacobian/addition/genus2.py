@@ -122,7 +122,7 @@ def tangent_of_degree_6(C: Any, first: Line) -> Quotient:
 
 
 def lead_of_degree_6(C: Any, quotient: Quotient) -> Any:
-    """r²·(s₁² + h₃s₁ − f₆)."""
+    """r²·(s₁² + h₃s₁ − f₆), from the quotient (r, r·s₁, r·s₀)."""
     r, s1, _ = quotient
     return s1 * s1 - C.f6 * (r * r) + C.h3 * (r * s1)
 

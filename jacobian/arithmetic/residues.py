@@ -57,8 +57,8 @@ def exceptions(F: Sequence[int], g: int) -> int:
 class Place(NamedTuple):
     """The progress of a run over all primes. The first ``done`` primes are finished.
 
-    The first unfinished tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``. ``windows`` has
-    the window at the beginning of this tree, for each translate of F.
+    The first unfinished tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``. For each
+    translate F(x + a) ``windows`` has the window, a row of coefficients, at the beginning of this tree.
     """
 
     done: int = 0

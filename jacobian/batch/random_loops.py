@@ -27,7 +27,7 @@ class Powers(NamedTuple):
 
 
 def powers(K: Any, windows: Any, room: Any) -> None:
-    """Sets power = value^e for each of the CHAINS numbers, from the :func:`jacobian.batch.random_rows.windows` of e."""
+    """Sets room.power = room.value^e for CHAINS numbers, from the :func:`jacobian.batch.random_rows.windows` of e."""
     value, power, odd = room
     for j in range(CHAINS):
         odd[0, j] = value[j]

@@ -48,7 +48,7 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
 
 
 def _candidates(p: int, degree: int) -> Iterator[list[int]]:
-    """The characteristic polynomials of the 2ℓ possible π."""
+    """The characteristic polynomials of the 2ℓ elements of Z[ζ], ℓ = ``degree``, one of which is Frobenius."""
     from flint import fmpz_poly
 
     cyclotomic, x = fmpz_poly([1] * degree), fmpz_poly([0, 1])

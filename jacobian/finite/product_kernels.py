@@ -150,7 +150,9 @@ def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room
 
 
 def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: Any, room: Any) -> None:
-    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end; ``span`` = (begin, end), multiples of BLOCK."""
+    """Replaces ``values`` by upper·M(x + middle)·values at x = iβ, begin ≤ i < end, with the M(k) of :func:`_step`.
+    ``span`` = (begin, end), multiples of BLOCK.
+    """
     k, row, S, U, d = room.k, room.row, room.S, room.U, c.shape[1]
     begin, end = span
     for first in range(begin, end, BLOCK):

@@ -294,7 +294,7 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
     q: Any = C.field.order
     g = C.genus
     known = weil.real_part(weil.leading(excess), q, g)
-    # r_i ≡ a_i (a coefficient of χ) modulo p: their difference is a multiple of q
+    # the coefficients r_i of R and a_i of χ differ by a multiple of q, so their residues modulo p are equal
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
     return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
 

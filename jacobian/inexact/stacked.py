@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# if p = q·V + U·L is smaller than U, its terms cancel: the remainder of :func:`compose` is at least ε|U|/(FEWER·|p|)
+# in p = q·V + U·L digits cancel if |p| < |U|; the remainder that :func:`compose` returns is at least ε|U|/(FEWER·|p|)
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"

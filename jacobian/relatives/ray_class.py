@@ -166,7 +166,7 @@ class RayClassGroup(Immutable):
         return multiple(m, C, self.add, double, self.negate, self.zero())
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
-        """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at m.
+        """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at the modulus.
 
         ``triple`` is a divisor on the model of the curve on which the Jacobian computes.
         """
