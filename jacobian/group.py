@@ -229,8 +229,6 @@ class Jacobian(FiniteGroup[Element]):
 
         return hasse_witt_matrices(self.curve, bound)
 
-    # --- validation
-
     def _check_representable(self) -> None:
         if self.curve.model == "inert" and self.curve.genus % 2:
             raise NotRepresentable(

@@ -65,7 +65,7 @@ def enclosed_states(system: Hamiltonian, state: State, given: list[Real], digits
 
 def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int, in_tau: bool) -> list[Row]:
     """The rows at times of one sign in ascending size, computed with as many bits as they need."""
-    # the bits that the growth of M beyond |M| at the start costs do not depend on the time; all other losses do
+    # the number of bits lost to the growth of M beyond |M| at the start is independent of the time; other losses grow
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS, in_tau).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):

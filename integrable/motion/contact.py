@@ -104,7 +104,7 @@ class Rolling:
         self.drift, self._length, self._base = numbers(h1 * rest / length, length, body.a[middle] * c)
 
     def bounded(self, run: Trajectory) -> np.ndarray:
-        """The bounded part of (x, y) in radii at the times of a run, shape (N, 2)."""
+        """The bounded part of the contact point's (x, y), in radii, at the times of a run: shape (N, 2)."""
         moments = self.flow.system.inertia
         if len(set(moments)) == 1:
             return np.zeros((len(run.tau), 2), dtype=run.tau.dtype)

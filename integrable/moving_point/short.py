@@ -244,8 +244,7 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # if the coefficients of a series still decrease, halving reduces the jump; otherwise the jump comes from the panel
-    # before
+    # halving reduces a jump between neighbouring panels only if the coefficients of the series still decrease
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 

@@ -1,4 +1,4 @@
-"""The formulas that convert states of one kind of system to pairs and back, recorded once as tapes of operations.
+"""The formulas that convert states of one kind of system to pairs (U, V) and back, recorded once as tapes.
 
 An operation of a formula in Python takes microseconds. Evaluated from its tape it takes a tenth of that in long
 numbers, and nanoseconds in double-doubles, where a compiled loop applies the tape to many pairs at once.

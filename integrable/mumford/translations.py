@@ -20,9 +20,8 @@ from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about 2^−PART of the time in which a point of the reference divisor E first reaches the boundary of the disc of
-# its series. So each term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about
-# k = FRACTION on
+# h is about 2^−PART of the time in which a point of the reference divisor E leaves the disc of its series: each
+# term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
 # let R be the largest root of the U of E. A translation (U, V) is in general position under two conditions: the roots
 # of U are at most NEAR·R in size, and at |x| = R the sum of |terms of V| is at most NEAR times √(sum of |terms of f|).
@@ -178,7 +177,7 @@ class GroupTranslations:
                 value, first = (poly.evaluate(K, a, kind.e) for a in (u, start))
                 data.append(kind.of(self.group, u, v, K.sqrt(value / first)))
             elif isinstance(kind, PointLift):
-                # σ'/σ = ½U(x)'/U(x) + ½n(x)y/U(x), where ' is d/dτ and n the multiplier; for σ̄ y is replaced by −y
+                # σ'/σ = ½(U(x)' + n(x)y)/U(x), ' = d/dτ, n the multiplier (mumford.fields); for σ̄ −y replaces y
                 value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
                 root, turn = K.sqrt(value / first), elementary(K, "exp", kind.y * next(integrals, K.zero) / 2)
                 data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))

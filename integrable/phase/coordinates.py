@@ -110,8 +110,8 @@ def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tup
 
 
 def gamma_and_w(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real]]:
-    """γ and w = γ × M/|M| of the moving point of :func:`directions_of`. ν is w plus a multiple of σ, which may be large
-    if a moment is small compared with d.
+    """γ and w = γ × M/|M| of a moving point as in :func:`directions_of`. w is ν without its part along σ, which may be
+    large if a moment is small compared with d.
     """
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
     scale = 1 / root(s1 * s1 + s2 * s2 + s3 * s3)

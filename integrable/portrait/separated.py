@@ -261,7 +261,7 @@ class SeparatedTorus:
             whole.append(N.nearest(turned))
             rest.append(turned - whole[-1])
         angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float))[0].tolist()]
-        # each step of Newton's method doubles the digits, of which the start has those of floats
+        # each step of Newton's method doubles the number of correct digits; the start has those of a float
         for _ in range(math.ceil(math.log2(N.bits / FLOAT_BITS)) + 1):
             gaps = [x - y for x, y in zip(self.phase_of(self._sums(angles)), rest, strict=True)]
             wanted = [

@@ -14,8 +14,8 @@ __all__ = ["UNITS", "Unit"]
 
 
 class Unit(NamedTuple):
-    """How a system scales with the length s of q: q = s^``q``·Q, p = s^``p``·P and t = T/s^``time`` for a motion (Q, P)
-    of unit length in the time T. ``weighted``: the length is √Σq_i²/a_i with the constants a_i of the system.
+    """How a system scales with the length s of q: q = s^``q``·Q, p = s^``p``·P and t = T/s^``time``, (Q, P) being the
+    motion of length 1 in its time T. ``weighted``: the length is √Σq_i²/a_i with the constants a_i of the system.
     ``normal``: p is orthogonal to :meth:`dual`.
     """
 

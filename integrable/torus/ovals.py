@@ -1,7 +1,6 @@
 """One oval of a motion's curve as a circle of nodes: its periods, and integrals of functions times Fourier modes.
 
-:mod:`integrable.torus.oval_modes` uses the ovals, and defines the root R in some integrands. Numbers are
-python-flint's balls.
+:mod:`integrable.torus.oval_modes` uses the ovals and defines the root R in some integrands. Numbers are flint's balls.
 """
 
 from __future__ import annotations

@@ -19,9 +19,8 @@ TOLERANCE = 2e-15
 # on motions with fast passages, the rounding errors of the states are at most this, relative to the largest of their
 # column
 NOISE = 1e-13
-# :func:`panel_length` tries each length on PROBES panels; its first length is LONGEST times ``least``
+# panel_length tries lengths from LONGEST·least on, on PROBES panels each; a panel is halved at most MOST_HALVINGS times
 PROBES, LONGEST = 8, 1024
-# the largest number of halvings of a panel
 MOST_HALVINGS = 12
 # if the last coefficients are below ROUGH times the largest of their column but do not decrease, they may be rounding
 # errors, which halving does not reduce; after MOST_IN_VAIN halvings without progress this is certain

@@ -142,7 +142,7 @@ def quartic(C: Any, meeting: Four, middle: Four) -> Four:
 
 
 def sum_u_of_degree_8(C: Any, meeting: Four, curve: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. For a sum of lower weight this divides by 0."""
+    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. For a sum of lower weight 0 is inverted."""
     (e3, e2, e1, _), (w3, w2, w1, w0) = meeting, curve
     twice = w3 + w3
     inverse = 1 / (C.f7 - C.c * twice)

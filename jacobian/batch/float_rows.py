@@ -211,7 +211,6 @@ class FloatRows:
         return result
 
     def _chosen(self, mask: Any, first: Rows, second: Rows) -> Rows:
-        """The rows of ``first`` where ``mask`` is true, else the rows of ``second``."""
         return _rows(np.where(mask, first.data, second.data), np.where(mask, first.kinds, second.kinds))
 
 

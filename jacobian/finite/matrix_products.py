@@ -66,7 +66,7 @@ class Products:
         return [int(c) % p for c in window[:count]]
 
     def _double(self, values: Any, room: Any) -> None:
-        """Writes the values of P(x) at x = 0, β, … (β − 1)β into ``values``."""
+        """Writes the product P(x) of the module's docstring at x = 0, β, …, (β − 1)β into ``values``."""
         n = FIRST
         kernels().direct(self.P, self.c, float(self.beta), n - 1, values, n, room_for(self.d))
         while n < self.beta:

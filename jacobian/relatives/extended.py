@@ -363,7 +363,7 @@ class PointLift(NamedTuple):
         K = group.field
         kappa, sigma, bar = map(K.mul, first, second)
         if len(step.common) > 1:
-            # the cancelled points and their opposites are factors of both σ and σ̄
+            # σσ̄ has the factor common(x₀)² from the points that cancel, so σ and σ̄ have the factor common(x₀) each
             scale = poly.evaluate(K, step.common, self.x)
             sigma, bar = K.div(sigma, scale), K.div(bar, scale)
         return kappa, sigma, bar
