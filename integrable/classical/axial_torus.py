@@ -61,7 +61,7 @@ class AxialTorus(FarTimes):
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Two times, more than a period after and before the start, for a comparison with another method."""
+        """Two times for a comparison of methods: more than a period after the start, and more than a period before."""
         return np.array(TURNS) / (self._nods or self._turns or 1.0)
 
     def at(self, times: np.ndarray) -> np.ndarray:

@@ -133,7 +133,7 @@ class KuzminKutuzov(MumfordSystem):
         return Start(f, u, v, self._direction(N, 2), [Lift(e) for e, *_ in moved], tuple(data))
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
-        """The state of ``D``, whose data are the lifts of :meth:`_start`, and cos and sin of the azimuth's growth."""
+        """The state of ``D``, whose data are the lifts of :meth:`_start`, and cos and sin of the azimuth's change."""
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:

@@ -91,7 +91,7 @@ class CubicCarrier(CurvesCarrier):
         return state, cross(N, (w[0], w[1], w[2]), state)
 
     def _separated(self, state: State) -> tuple[list[Real], list[Real], list[Real]]:
-        """The ũ_k, their derivatives, and the λ_k."""
+        """The ũ_k, their derivatives, and the λ_k of the module's docstring."""
         K, a, poles = self.field, self.inner.a, self.inner.potential.poles
         gamma, M = state.vectors
         squares = [x * x for x in gamma]

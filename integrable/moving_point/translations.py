@@ -186,7 +186,7 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
 
     The orders follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where W =
     (f − V²)/U and s0 = w1 − f5u0 (``BallMotion._velocity`` in :mod:`integrable.motion.enclosure`). These equations
-    leave two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
+    leave two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + …, z = eps², are prescribed.
     """
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows

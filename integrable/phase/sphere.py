@@ -77,7 +77,7 @@ def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
     """The hat variables (û, p̂), again canonical: (u, p) mapped by :func:`rho`, by :func:`conic` with x0 = y0 = 0,
     and by :func:`rho_inverse`.
 
-    p̂ = −ℓ(û)/φ(û) with ℓ the line through the points (u_k, φ(u_k)p_k).
+    p̂ = −ℓ(û)/φ(û) with φ(x) = 4Π(a_i − x) and the line ℓ through the points (u_k, φ(u_k)p_k).
     """
     return rho_inverse(K, conic(K, a, rho(K, point), K.zero, K.zero))
 

@@ -279,7 +279,7 @@ class SeparatedTorus:
         return full, turned
 
     def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """The angles about an axis, (N, m), minus their parts linear in the phases. The arguments have shape (N, g)."""
+        """The turns about an axis, (N, m), minus their parts linear in ``phases``; ``angles`` are in ovals, both (N, g)."""
         genus, found = len(self.ovals), []
         for j in range(genus, len(self.forms)):
             total = np.zeros(len(angles))

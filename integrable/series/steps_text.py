@@ -30,7 +30,7 @@ class Series(Sums):
         self._blocks = 0
 
     def function(self) -> str:
-        """The LLVM function; constants, units and coefficients of order 0 must be in memory before the call."""
+        """The function; the constants, units of time and coefficients of order 0 must be in memory before its call."""
         text, done = self.text, 0
         for loop in self.loops:
             for k in range(done, loop.begin):

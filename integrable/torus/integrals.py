@@ -86,7 +86,7 @@ class TorusIntegral:
 
 
 def periods_of(flow: BodyTorus) -> tuple[int, int]:
-    """The periods, in turns of both phases, of functions that may change their sign if an odd number of the γ_i do."""
+    """The periods, in turns of both phases, of functions that may change sign where an odd number of the γ_i do so."""
     return 1 + flow.odd[0], 1 + flow.odd[1]
 
 

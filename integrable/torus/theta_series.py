@@ -233,7 +233,7 @@ def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
 
 
 def circle_points(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
-    """Writes :func:`circle` of angles given in floats, in radians."""
+    """Writes the ``cosines`` and ``sines`` of ``angles``, floats in radians, by :func:`circle`."""
     for i in abreast(0, len(angles)):
         cosines[i], sines[i] = circle(angles[i] / inverse[0], inverse)
 

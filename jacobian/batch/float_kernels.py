@@ -112,7 +112,7 @@ def added(f: Any, first: Any, second: Any) -> Any:
 
 
 def steep(f: Any, size: Any) -> Any:
-    """Whether a sum has degree 2, from the second value of :func:`added`."""
+    """Whether a sum has degree 2; ``size`` is the second value of :func:`added`."""
     if len(f) == 6:
         return extent(size) > FLATTEST_CHORD
     return extent(size) > FLATTEST

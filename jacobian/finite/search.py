@@ -83,7 +83,7 @@ class Candidates:
             yield from self.prefixes((*r, value))
 
     def last(self, prefix: tuple[int, ...]) -> range:
-        """The values of r_g that may follow a prefix (1, r_1 … r_(g−1))."""
+        """The values of r_g, the last coefficient of R, that may follow ``prefix`` = (1, r_1, …, r_(g−1))."""
         return range(self.known[-1], self.known[-1] + 1) if len(self.known) > self.genus else self.values(prefix)
 
     def size(self) -> int:

@@ -233,7 +233,7 @@ def _moved(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[Any]
 
 
 def _slopes(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[list[Any]]:
-    """The derivatives of :func:`_moved` by a, b, c and d."""
+    """The derivatives of :func:`_moved` by the entries a, b, c and d of ``matrix``."""
     above = [i * c for i, c in enumerate(form)][1:]
     below = [(degree - i) * c for i, c in enumerate(form)][:degree]
     rows = []

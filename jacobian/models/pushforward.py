@@ -45,7 +45,7 @@ class Family:
         return self.reduced(poly.mul(self.field, poly.trim(self.field, a), poly.trim(self.field, b)))
 
     def over(self, a: poly.Poly, b: poly.Poly) -> poly.Poly | None:
-        """The quotient a/b in A; None where b is no unit."""
+        """The quotient a/b in A = K[t]/u; None where b is no unit."""
         if not b:
             return None
         common, inverse = poly.half_xgcd(self.field, self.u, b)

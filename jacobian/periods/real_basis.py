@@ -36,7 +36,7 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The cycles and half-periods of the curve with five ``roots``, the vertices in turn of a simple polygon."""
+    """The cycles and half-periods of the curve with five ``roots``, ordered as the vertices of a simple polygon."""
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
         cycles = cycles_of(sides, signs)
