@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 # PANEL_COST is the cost of a panel and START_COST that of the start of a run, in microseconds of compiled code (python
 # -m benchmarks short); only the ratio matters
 PANEL_COST, START_COST = 2.4, 50.0
-# costs of a torus in the same units, by the same command. FREE is for d = 0, where t = τ, and ROLLING for d ≠ 0. THIN
+# costs of a torus in microseconds (benchmarks short). FREE is for d = 0, where t = τ, and ROLLING for d ≠ 0. THIN
 # is for I/(I + d) that differ by more than the factor THINNER, as 1/g then has far more Fourier modes. For many states
 # within few turns, interpolation on the torus halves the cost of a state, but short runs still cost less
 FREE, ROLLING, THIN = Cost(250, 0.75), Cost(560, 3.2), Cost(2900, 12)

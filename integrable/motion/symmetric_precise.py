@@ -87,7 +87,7 @@ class PreciseClosedForm(ManyDigits):
         return ClosedCarrier(*self._motion, digits)
 
     def enough(self, tau: Real) -> int | None:
-        # digits for many turns cost little: the limit grows with τ, so that no time is too far
+        # digits lost in many turns are cheap: the limit of lost digits grows with τ, so that no time is too far
         self.most_lost = max(self.most_lost, type(self).most_lost + self.carrier.lost(tau))
         return super().enough(tau)
 

@@ -182,7 +182,7 @@ def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real,
     x1, x2 = roots_between(w0, w1, w2, spread)
     gap = 2 * spread / abs(w2)
     if u2 == 0:
-        # R is constant, and ∞ is a root of U and V
+        # the new R is constant, and ∞ is a root of U and V
         y1, z1 = -u0 / u1, -v0 / v1
         factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
         return (z1, x1, x2, y1), gap, (one, 0 * one, 0 * one), (one, one, one, one), factor

@@ -279,7 +279,7 @@ class SeparatedTorus:
         return full, turned
 
     def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """The turns about an axis, (N, m), minus their parts linear in ``phases``; ``angles`` are in ovals, both (N, g)."""
+        """Angles about an axis, (N, m), less their parts linear in ``phases``; ``angles`` are in the ovals, (N, g)."""
         genus, found = len(self.ovals), []
         for j in range(genus, len(self.forms)):
             total = np.zeros(len(angles))
