@@ -23,8 +23,8 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift
 # h is about 2^−PART of the time in which a point of the reference divisor E leaves the disc of its series: each
 # term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# let R be the largest root of the U of E. A translation (U, V) is in general position under two conditions: the roots
-# of U are at most NEAR·R in size, and at |x| = R the sum of |terms of V| is at most NEAR times √(sum of |terms of f|).
+# let R be the largest root of the U of E. A translation (U, V) is in general position under two conditions. The roots
+# of U are at most NEAR·R in size. At |x| = R the sum of |terms of V| is at most NEAR times √(sum of |terms of f|).
 # V is large if the translation nearly contains a point P and its image under y ↦ −y. In genus 4, T(τ) along (1, 0, …)
 # for a short τ nearly contains two such pairs of points near x = 0. Sums with such a T lose hundreds of bits
 NEAR = 4
