@@ -35,8 +35,8 @@ from jacobian.numbers.double_double import double_double_row
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a gap below LOST times the spread of the roots has no correct digits; a swing x₂ − x₁ below NOTHING times the other
-# gaps has no effect on states in floats
+# gaps between the roots of f and ±1 (:class:`Gaps`) have no correct digits below LOST times the spread of the roots. A
+# swing x₂ − x₁ below NOTHING times the other gaps has no effect on states in floats
 LOST, NOTHING = 2.0**-130, 2.0**-90
 Arrays = tuple[np.ndarray, ...]
 
@@ -205,7 +205,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
 
 
 def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: Axis) -> Sequence[Real]:
-    """``numbers`` with the entry C of a motion that starts at ``axis``; before, this entry is 1."""
+    """The ``numbers`` of :class:`AxialThetas` with C = 1, changed to the C of a motion that starts at ``axis``."""
     import gmpy2
 
     inverse = [N.coerce(high) + low for high, low in inverse_factorials().tolist()]

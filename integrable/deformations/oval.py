@@ -1,4 +1,4 @@
-"""Heights and rates on the two curves of a deformation; loops over bare reals are compiled for double-doubles.
+"""The heights z and the rate 1/g on the two curves of a deformation; loops are compiled for double-doubles.
 
 On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. R₁, R₂ and R₃ are the square
 roots of |Z − e_i| with the signs of :class:`integrable.mumford.elliptic_torus.EllipticOval`.
@@ -48,7 +48,7 @@ class Pace(NamedTuple):
         return min(curve.period for curve in self.curves)
 
     def share(self, k: int, r: tuple[Real, Real, Real]) -> Real:
-        """weight_k(1 + dz_k) at the point of curve k = 0, 1 with the square roots ``r``."""
+        """weight_k(1 + dz_k), the term of g² from the point of curve k = 0 or 1 with the square roots ``r``."""
         return self.weights[k] * (1 + self.d * height(self.levels[k], r))
 
     def at(self, times: Sequence[Real]) -> Real:

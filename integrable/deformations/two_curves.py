@@ -126,7 +126,7 @@ def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Real, Real, R
 
 
 def _contact(system: Hamiltonian) -> Real:
-    """Π(1 − da_i) = μ_k/λ_k."""
+    """The product Π(1 − da_i), which is μ_k/λ_k on both curves k."""
     K, r = system.field, system.body.contact
     return K.mul(r[0], K.mul(r[1], r[2]))
 

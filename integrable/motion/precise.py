@@ -45,8 +45,8 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps (Setup.step_length) per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# the tables of a torus are measured in multiplications. A basic step costs as much as WORK_A_STEP of these per digit,
-# and tables of up to WORK_WITH_ROOM multiplications fit into memory
+# the work for the tables of a torus is counted in multiplications. A basic step takes as long as WORK_A_STEP of them
+# for each digit. Tables that take up to WORK_WITH_ROOM multiplications fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
 # from ALONE_FROM digits on, the first request for a single time is answered without a series of the clock, from a value
 # of τ with ROUGH_DIGITS digits

@@ -138,7 +138,7 @@ class PanelClock(RatePanels):
         self._long: tuple[Nodes, list[Real]] | None = None
 
     def place(self, t: Real) -> tuple[int, Real]:
-        """The place at which the clock shows t ≥ 0."""
+        """The place, (cell, x), at which the clock shows t ≥ 0."""
         return self._resolved(lambda: self._inverse(t))
 
     def time(self, cell: int, x: Real) -> Real:
@@ -228,7 +228,7 @@ class PanelClock(RatePanels):
         return True
 
     def _wind(self, panels: int) -> None:
-        """Extends the table of t at the ends of long panels to ``panels`` panels after the near cells."""
+        """Extends the table of t at the ends of long panels to the first ``panels`` of them."""
         if not self._far:
             self._far.append(self._end(NEAR_CELLS))
         nodes, weights = self._long_rule()
@@ -289,8 +289,8 @@ class OneTime(RatePanels):
     """
 
     def tau(self, t: Real, start: Real, point: Callable[[Real], Row]) -> Real | None:
-        """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if τ is far
-        or the panels up to it are not resolved.
+        """|τ| at |t| = ``t`` > 0, from an approximation ``start`` with more than END_DIGITS correct digits. None if |τ|
+        exceeds NEAR_CELLS cells, or if 1/g is not resolved on the way.
         """
         if start > 2 * NEAR_CELLS * self._half:
             return None

@@ -229,7 +229,7 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
 
 
 def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> tuple[Real, Real]:
-    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
+    """∫_a^b (x − middle)^k dx/((r − d·x)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
     ``ends``. c and e lie on the same side of a and b.
     """
     a, b, c, e = ends

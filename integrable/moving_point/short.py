@@ -49,7 +49,7 @@ from integrable.moving_point.short_steps import (
     wide_values,
 )  # fmt: skip
 
-# the length of a panel, before doublings, in basic steps
+# the length of a panel, before doublings, in basic steps (:meth:`integrable.moving_point.setup.Setup.step_length`)
 LENGTH = 5.0
 # a panel is doubled only while the body turns by at most this many radians on half of it
 TURN = 1.7

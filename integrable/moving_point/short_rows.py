@@ -30,8 +30,8 @@ SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # number of rows of wide points: one for a centre, and one for each level of halving
 POINTS = LEVELS + 1
-# AHEAD centres of the motion and as many of its shadow are computed together, so that all SIMD lanes are used. The rows
-# of ``ahead`` are the centres of the motion, those of the shadow, and the two starts
+# AHEAD centres of the motion and as many of the second motion, the shadow (:mod:`integrable.moving_point.short`), are
+# computed together in SIMD lanes. The rows of ``ahead`` are the centres of either motion, then the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations: row HALF has the translation by h, half the length of a panel. Row HALF − l has that by

@@ -45,8 +45,8 @@ from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
-# double-doubles
+# the initial relative distance from the motion to its shadow (:mod:`integrable.moving_point.short`); it exceeds the
+# error of several additions in double-doubles
 OFF_BY = 2.0**-99
 # :func:`levelled` turns ν. Where the squared derivative of f − V² − UW with respect to the turn is this fraction of its
 # upper bound, the damped turn is half the required one
@@ -326,7 +326,7 @@ def contact_of(wide: Row) -> Vector[Real]:
 
 
 def contact_in_floats(wide: Row) -> tuple[Real, ...]:
-    """r_i in floats, then their rounding errors. Without the rounding errors all nodes would have a common error."""
+    """r_i = I_i/(I_i + d) in floats, then their rounding errors: without these all nodes would have a common error."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)

@@ -208,7 +208,7 @@ class BodySystem(SurfaceSystem):
         The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of the
         c_i coincide over N.
         """
-        # 0 is included: it is the value of l at another branch point, the root of l
+        # the c_i are the values of l at three branch points; the root of l, with the value 0, is another one
         weights = [N.zero, *sorted(self._weights(N))]
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0

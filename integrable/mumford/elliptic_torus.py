@@ -222,8 +222,8 @@ def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
 def _lift(
     N: LongField, model: CubicModel, slope: Real, oval: EllipticOval, given: tuple[Real, Sequence[Real]]
 ) -> tuple[Column, Column, Column, int]:
-    """(κ, s, n, k) for a lift given as (e, datum): σ is s times the root with index k among R₁, R₂ and R₃, and ν is n
-    times the product of the other two.
+    """(κ, s, n, k) for the lift (κ, σ, ν) at e: at all times σ is s times the root with index k among R₁, R₂ and R₃,
+    and ν is n times the product of the other two. ``given`` is e with the lift at the start.
     """
     e, (kappa, sigma, nu) = given
     x, swing = model.side * e, model.swing

@@ -344,8 +344,8 @@ class MumfordFlow(StateFlow[Path]):
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
         """The function ``pairs(K, halves, turned)`` that returns the pair of the state in :meth:`_states_on`.
 
-        The data of the pair are its lifts, with their signs at the start; 0 in place of the time t, where t is a datum;
-        and ``turned``.
+        The data of the pair are its lifts, each with the sign that continues that of the start; 0 for a datum that is
+        the time t; and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])

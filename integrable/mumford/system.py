@@ -67,8 +67,8 @@ class Spectral(NamedTuple):
 
 
 class MumfordSystem(Made):
-    """Base class of systems over ``field``, with its elements ``constants`` and ``parameters``; ``size`` is the number
-    of q.
+    """Base class of systems. The ``constants`` and ``parameters`` are elements of ``field``; ``size`` is the number of
+    coordinates q.
     """
 
     field: Field
@@ -319,7 +319,6 @@ class MumfordSystem(Made):
 
     @property
     def _standing(self) -> tuple[bool, ...]:
-        """Which parameters differ from 0."""
         return tuple([x != self.field.zero for x in self.parameters])
 
     @property

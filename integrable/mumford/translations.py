@@ -120,8 +120,8 @@ class GroupTranslations:
     def _corrected(self, D: Extended, only_lifts: bool = False) -> Extended:
         """D moved back onto the curve; with ``only_lifts``, D with its lifts computed again from U and V.
 
-        Where degree and genus are odd, the sums have divided κ by ℓ², with the leading coefficient ℓ of f. There each
-        lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
+        Where degree and genus are odd, the additions that gave D divided κ by ℓ², ℓ being the leading coefficient of
+        f. There each lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
         """
         group = self.group
         if self._drifts:

@@ -139,7 +139,7 @@ _DO: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class _Book:
-    """The recorded lines without repetition, and their values at one state, with which a formula's comparisons work."""
+    """The lines of a recorded formula, each once, and their values at one state, which its comparisons use."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []

@@ -48,7 +48,7 @@ def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matr
 
 
 def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) -> Real | None:
-    """The trace J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
+    """J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1, of the recursion operator N. ArgumentError if m is 0 in the field."""
     values, K = eigenvalues(body, point), body.field
     m = whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX)
     below = poly.integer(K, m)

@@ -362,7 +362,7 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
 
 
 def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tuple[int, Wide, Wide]]:
-    """The terms f·x·y of two coefficients ``value``(side, order), where the one of higher order comes first."""
+    """(f, x, y) for each term f·x·y; the coefficients x and y are ``value(side, order)``, x of the higher order."""
     values = ((f, (i, value(0, i)), (j, value(1, j))) for f, i, j in terms)
     return [(f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1]) for f, x, y in values]
 

@@ -40,7 +40,7 @@ MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 APART = 1.0
 # marks of rows
 UNVISITED, COMPARED, WRONG = -1.0, 1.0, 2.0
-# how many numbers Bounds and the result of a walk have, and how many integers a Course
+# in arrays, the length of Bounds, of the result of a walk (:func:`put_result`), and of the integers of a Course
 BOUNDS, RESULTS, COUNTS = 6, 6, 9
 
 
@@ -233,7 +233,7 @@ def bounds_of(tiers: Array, tier: int) -> Bounds:
 
 
 def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outputs) -> Outputs:
-    """The part of ``outputs`` for a motion; ``both`` is shared by the motions of a slot."""
+    """The part of ``outputs`` for one motion. All motions of a slot in turn use the same part of ``outputs.both``."""
     width, begin, end = layout.parts * layout.half, many.ends[member], many.ends[member + 1]
     share = len(outputs.both) // (layout.lanes // WALKS)
     both = outputs.both[slot * share : slot * share + 2 * WALKS * width * (end - begin)]
@@ -471,7 +471,7 @@ def last_compared(outputs: Outputs, row: int) -> float:
 
 
 def mark_of(outputs: Outputs, row: int, farthest: float) -> float:
-    """The mark of a row: it is compared if it is the last row, or if the next one is beyond ``farthest``."""
+    """The mark of a row: COMPARED if the row is the last one, or if the next one is beyond ``farthest``; else 0."""
     last = row + 1 == len(outputs.times)
     return COMPARED if last or abs(outputs.times[row + 1]) > farthest else 0.0
 
@@ -505,8 +505,8 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:
-    """``seen``, continued up to row ``limit``. A row that is not compared is wrong if the nearest compared row before
-    or after it is wrong.
+    """``seen``, continued up to row ``limit``; marks the wrong rows. A row that is not compared counts as wrong if the
+    nearest compared row before or after it is wrong.
     """
     times, marks, last = outputs.times, outputs.marks, abs(outputs.times[len(outputs.times) - 1])
     rows, wrong, lost, first, worst = seen

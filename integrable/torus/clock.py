@@ -37,8 +37,8 @@ LOUD = 0.05
 # if that is more. Modes below ROUNDING times the largest, which rounding may have made, are left out
 SLOW = 1e-13
 EXTENDED, ROUNDING = 2.0**-58, 2.0**-90
-# a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
-# move τ
+# a mode is dropped only if it moves τ by less than this fraction of the time in which the body turns by a radian: a
+# slow mode may be small in 1/g and still move τ
 LEAST_SWING = 1e-17
 # turns of a phase at the times of :meth:`FarTimes.witnesses`: more than one in either direction, so that sign changes
 # of the γ_i after a turn are tested

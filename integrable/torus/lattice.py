@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# the unit of a length or a lift above CLOSE is 1 (:func:`_near_power`)
+# :func:`_near_power` gives a length or a lift above CLOSE the unit 1
 CLOSE = 2.0**-6
-# with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
-# the larger one, and |γ × M|² is more than APART·|M|²
+# a motion has enough digits in the coordinate x itself, without another origin, if neighbouring branch points differ by
+# more than the fraction APART of the larger one, and |γ × M|² is more than APART·|M|²
 APART = 2.0**-6
 # for numbers between 1/FAR and FAR the products that the set-up computes are in the range of floats
 FAR = 1e30
@@ -78,7 +78,7 @@ def _near_power(x: float) -> float:
 
 def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
-    d' (called d there), π, r and origin/length, in the coordinates of :class:`Units`.
+    d', π, r and origin/length, in the coordinates of :class:`Units`, which defines d' (d in that module) and r.
 
     PrecisionLoss where the torus is not compact.
     """

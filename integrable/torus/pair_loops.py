@@ -113,7 +113,7 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
 
 
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
-    """Compares the pairs with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
+    """Compares derivatives of the lifts with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
     count = len(torus.ends)
     wide, right = 2 * count, room[2 * count * AROUND * CHECKED :]
     put_around(torus.torus, torus.frequencies, room)

@@ -25,8 +25,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
-# the decrease of the Legendre coefficients of 1/g is measured with SCOUT_NODES nodes, on a basic step
-# (Setup.step_length) or on a longer panel, up to the last coefficient that exceeds LEAST_SEEN
+# the decrease of the Legendre coefficients of 1/g, up to the last one that exceeds LEAST_SEEN, is measured with as many
+# nodes as SCOUT_NODES says: first for a basic step (Setup.step_length), then for a longer panel
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
 # if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the

@@ -160,8 +160,8 @@ def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float,
 def placed(
     torus: Torus, motion: Row, point: Row, found: Row, scales: Row, rule: Row, limits: Limits, room: Row
 ) -> float:
-    """Sets the factors to the C_i of :mod:`integrable.torus.states` and the phases to those of the moving ``point``, by
-    :func:`integrable.torus.lifts.met`, and returns its result.
+    """Sets the factors to the C_i of :mod:`integrable.torus.states`, and the phases to those of the moving ``point`` by
+    :func:`integrable.torus.lifts.met`. Returns the result of ``met``.
 
     ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` the result of :func:`torus_periods`;
     ``scales`` are the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.

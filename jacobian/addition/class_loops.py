@@ -180,7 +180,7 @@ def leave(K: Any, g: Any, a: Any, data: Any) -> None:
 
 
 def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
-    """Replaces two classes in ``data`` by their sum; S has ROWS rows."""
+    """Replaces two classes in ``data`` by their sum; S is working memory of ROWS rows."""
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     enter(K, g, data, 3, enter(K, g, data, 0, 6, total), other)
     cantor_words.add_classes(K, curve, S, total, other, total)

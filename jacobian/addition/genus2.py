@@ -39,7 +39,7 @@ def chord(C: Any, first: Line, second: Line) -> Quotient:
 
 
 def h_modulo(C: Any, first: Line) -> Pair:
-    """h modulo U."""
+    """h modulo the U of the divisor ``first``."""
     a1, a0, _, _ = first
     top = C.h2 - C.h3 * a1
     return C.h1 - a1 * top - C.h3 * a0, C.h0 - a0 * top

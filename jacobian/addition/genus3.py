@@ -74,7 +74,7 @@ def tangent(C: Any, first: Row) -> Four:
 
 
 def product(C: Any, quotient: Four) -> Any:
-    """r·(r·s₂), the number that a sum inverts."""
+    """The number r·(r·s₂) that a sum inverts, from a quotient (r, r·s₂, r·s₁, r·s₀)."""
     r, s2, _, _ = quotient
     return r * s2
 

@@ -189,7 +189,7 @@ class Formulas(NamedTuple):
         return self.closed(C, quotient, None, first, second)
 
     def closed(self, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> tuple[Any, ...]:
-        """The sum of two classes from their quotient and the ``inverse`` of "product", computed here if it is None."""
+        """The sum of two classes from their ``quotient``; ``inverse`` is 1/x for the result x of "product", or None."""
         found = {"C": C, "quotient": quotient, "inverse": inverse, "first": first, "second": second}
         for name, step in self.steps:
             if name != "product" or inverse is None:

@@ -37,7 +37,8 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """Writes the curve y² = G(t) of x_0 to ``desk.curve``, and its classes p·D, p²·D and c·D to ``desk.classes[:3]``.
+    """Writes y² = G(t) to ``desk.curve``, and p·D, p²·D and c·D to ``desk.classes[:3]``, for the abscissa x_0; ``a`` is
+    (a_1, a_2, a_3), the last two modulo p. :mod:`jacobian.arithmetic.decision_kernels` defines G, D and c.
 
     Returns 1 if the curve is isomorphic to y² = F(x), −1 if it is isomorphic to the quadratic twist, 0 if F(x_0) = 0.
     """

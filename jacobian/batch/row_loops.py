@@ -141,7 +141,7 @@ def take(K: Any, g: Any, rows: Any, i: Any, a: Any) -> None:
 
 
 def put(g: Any, a: Any, rows: Any, i: Any) -> None:
-    """Stores the class ``a`` of :mod:`jacobian.addition.cantor_words` as row i."""
+    """Stores the class ``a``, an array as in :mod:`jacobian.addition.cantor_words`, as row i."""
     out, degree, weight = rows
     degree[i] = a[0] - 1
     for k in range(g):

@@ -133,7 +133,7 @@ def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
 
 
 def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room: Any) -> None:
-    """Writes M(x + steps)·…·M(x + 1) at the first ``points`` of x = 0, β, 2β, … into ``values``."""
+    """Writes M(x + steps)·…·M(x + 1), M of this module, at the first ``points`` of x = 0, β, 2β, … to ``values``."""
     k, row, S, d = room.k, room.row, room.S, c.shape[1]
     for begin in range(0, points, BLOCK):
         for e in range(d * d):

@@ -91,7 +91,7 @@ class Passes:
     """The passes that compute one sum of pairs (u, v), to be used inside ``with digits:``.
 
     The pairs belong to y² + 2·half·y = curve − half², and are moved to Y² = curve with Y = y + half. ``even``: whether
-    neither the points nor the coefficients of the curve are of very different sizes. ``law(field, curve, pairs)``
+    the points have similar sizes, and the coefficients of the curve too. ``law(field, curve, pairs)``
     returns a sum and the largest remainder of its divisions.
     """
 

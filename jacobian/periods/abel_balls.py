@@ -123,7 +123,7 @@ class AbelBalls(Immutable):
 
 
 class _Image(AbelImage):
-    """The map at one precision; its methods are called inside ``with numbers.working():``."""
+    """The Abel–Jacobi map at one precision; its methods are called inside ``with numbers.working():``."""
 
     def __init__(self, curve: HyperellipticCurve, periods: PeriodMatrix) -> None:
         self.periods, self.given, self.curve = periods, curve, curve
