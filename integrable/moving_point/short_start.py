@@ -74,8 +74,8 @@ def cast_shadow(wide: Row, ahead: Row) -> None:
 
 
 def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
-    """Writes ``times`` in the units of the motion, as the sum of two floats each. ``unit`` is the position in ``wide``
-    of the unit of τ or of physical time.
+    """Writes ``times`` in the units of the motion as ``high`` + ``low``. ``unit`` is the position in ``wide`` of the
+    unit of τ or of physical time.
     """
     for i in range(len(times)):
         t = wide[unit] * times[i]

@@ -125,7 +125,7 @@ class PointFormulas:
         return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
-        """The results at N points, (N, results, 2); ``given``: the variables from number ``count`` on, (variables, N, 2)."""
+        """The results at N points, (N, results, 2). ``given``: the variables from ``count`` on, (variables, N, 2)."""
         (variables, count, _), codes, wide = given.shape, self._codes, len(self._results)
         out = np.empty((count * wide, 2))
         # memory is reused, because to allocate it takes as long as the operations on several points

@@ -205,7 +205,7 @@ def sums_over_ovals(level: Level) -> OvalAngles:
 
 
 def _modes(level: Level, outer: float, inner: float, *others: float) -> np.ndarray:
-    """The Fourier modes in φ of dx/y and x dx/y, divided by ½dφ, on one oval, shape (n, 2)."""
+    """The Fourier modes in φ of dx/y and x dx/y, divided by ½dφ, on the oval from ``outer`` to ``inner``: (n, 2)."""
     count = FIRST_NODES
     while True:
         x = outer + (inner - outer) * np.sin(np.pi * np.arange(count) / count) ** 2

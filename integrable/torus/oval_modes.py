@@ -247,7 +247,7 @@ class OvalTorus:
         self._sign = signs[0] * signs[1] * (-1 if sigma[0] * sigma[1] * sigma[2] < 0 else 1)
 
     def use(self, size: tuple[int, int], most_work: float) -> None:
-        """Makes tables for this many modes, with enough nodes for the highest of them."""
+        """Makes tables for ``size`` modes, with enough nodes for the highest; TooManyModes beyond ``most_work``."""
         if size == self._size:
             return
         for oval in self.ovals:
