@@ -113,8 +113,8 @@ def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
 def evaluated(
     nodes: Iterable[Node], y: Sequence[Any], c: Sequence[Any], number: Callable[[Any], Any], context: Any = None
 ) -> list[Any]:
-    """The values of all lines of a recorded formula for the variables ``y`` and the constants ``c``, which may be of any
-    type that overloads the operators, such as symbolic expressions.
+    """The values of all lines of a recorded formula for variables ``y`` and constants ``c`` of any type that overloads
+    the operators, such as symbolic expressions.
     """
     values: list[Any] = []
     for op, args in nodes:

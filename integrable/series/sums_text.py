@@ -66,7 +66,7 @@ class Sums:
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
-        # registers hold values of the previous round
+        # the registers recorded so far hold values of the previous round
         self._recent, self._built = {}, {}
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}

@@ -185,8 +185,7 @@ def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
     """The digits per node of Fejér's rule on the path from ``start`` to ``target``.
 
-    With x = start + (target − start)s² the integrand is singular in s at ±√((e − start)/(target − start)), e in
-    ``others``.
+    In s, x = start + (target − start)s², singularities are ±√((e − start)/(target − start)) for e in ``others``.
     """
     if abs(target - start) < 1e-14 * scale:
         return 16.0
