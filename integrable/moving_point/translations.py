@@ -17,7 +17,7 @@ from jacobian.numbers.roots import root
 
 # the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point
 REACH = 0.3
-# the radius of an expansion is estimated from SCOUT terms. More than FEW translations are computed from a longer series,
+# the radius of an expansion is estimated from SCOUT terms. More than FEW translations are computed by a longer series,
 # whose argument, half a step, is halved only once per HALVED_FROM bits
 SCOUT = 24
 HALVED_FROM = 2500
