@@ -54,8 +54,8 @@ def g_of(body: Body, state: State) -> Real:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They are the pairs of (U, P): P is V minus the multiple of
-    U with which P vanishes at 1/d; at d = 0, P = V.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They are the pairs of (U, P), where P = V − λU with the
+    λ for which P(1/d) = 0; at d = 0, P = V.
 
     NotASquare when g = √g² is not in the field.
     """

@@ -23,7 +23,7 @@ TOLERANCE = 1e-12
 # if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
 # series
 COARSEST = 1e-7
-# a zero outside the interval is kept if its distance from it is at most ROUNDING·eps times half the length of a panel
+# a zero is kept if it lies outside the interval by at most ROUNDING·eps times half the length of a panel
 ROUNDING = 1e3
 # the largest number of steps of Newton's method; slopes are floats, so each step gains about twelve digits
 MOST_STEPS = 100

@@ -187,7 +187,7 @@ class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
     ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
-    turns by about a radian. Modes below ``noise`` of the largest are left out if they hardly move τ
+    turns by about a radian. Modes below ``noise`` times the largest are left out if they hardly move τ
     (:class:`~integrable.torus.clock_modes.Cutoffs`). ``doubled`` are the periods of dt/dτ in turns. PrecisionLoss where
     a mode is in resonance.
 

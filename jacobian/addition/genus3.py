@@ -43,7 +43,7 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
     p2, p1, p0 = n1 - c2 * n2, n0 - c1 * n2, -(c0 * n2)
     i0, i1, i2 = n1 * p2 - p1 * n2, p1 * m2 - m1 * p2, m1 * n2 - n1 * m2
     r = m0 * i0 + n0 * i1 + p0 * i2
-    # iw modulo u is r·s
+    # (i₂x² + i₁x + i₀)·(w₂x² + w₁x + w₀) modulo u is r·s
     q4 = i2 * w2
     q3 = i2 * w1 + i1 * w2 - c2 * q4
     s2 = i2 * w0 + i1 * w1 + i0 * w2 - c1 * q4 - c2 * q3
