@@ -64,7 +64,7 @@ class Modes(NamedTuple):
 
 
 class TooManyModes(PrecisionLoss):
-    """Raised when tables with this many modes would take ``work`` or more multiplications, beyond the limit."""
+    """Raised when tables with ``size`` modes would take at least ``work`` multiplications, more than the limit."""
 
     def __init__(self, size: tuple[int, int], work: int) -> None:
         super().__init__(
