@@ -246,7 +246,7 @@ class Symbol:
 
 
 class Numbers:
-    """The field in which a formula is recorded. Constants become inputs "c" of the program, except ints and zeros of any type."""
+    """The field in which a formula is recorded. Constants become inputs "c" of the program, except ints and zeros."""
 
     name, exact, characteristic, order, eps = "symbols", False, 0, None, 2.0**-52
     add, sub, mul, div = map(staticmethod, _DO.values())
