@@ -36,7 +36,7 @@ UNEVEN = 4
 # digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
+# 1/g of an upright state is computed from U(1/d) if all I_i/(I_i + d) exceed LIGHT: this costs up to three guard digits
 LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
 # correct digits

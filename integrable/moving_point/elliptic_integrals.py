@@ -140,7 +140,7 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
 
 def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, near: Real, out: Row) -> None:
-    """:func:`oval_periods` between these points for any R whose roots lie beyond them.
+    """:func:`oval_periods` with the four ``points`` as ends, for any R whose roots lie beyond them.
 
     ``gap`` is points[2] − points[1], ``third`` are the coefficients of R, ascending, and its values at the points.
     """

@@ -73,7 +73,7 @@ class SeparatedTorus:
 
     @property
     def one(self) -> Real:
-        """The number 1."""
+        """The number 1 of the field in which the ovals are computed."""
         one: Real = self._field.one
         return one
 

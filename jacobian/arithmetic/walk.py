@@ -31,8 +31,8 @@ WHOLE = 6755399441055744.0
 class Walks(NamedTuple):
     """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: d coefficients, the last that of x^start, up to one
-    factor, (N, T, d).
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the coefficients of x^(start−d+1), …, x^start in
+    f^((p−1)/2), times a common factor, (N, T, d).
     """
 
     primes: Any
