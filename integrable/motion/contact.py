@@ -40,7 +40,7 @@ PANEL_STEPS = 5
 FAR = 50
 # MOST_PANELS panels with states from the torus, or MOST_PRECISE with states computed one by one, take about a second
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision the torus costs less beyond FAR_GAUSS panels; without a torus MOST_GAUSS panels take minutes
+# in multiprecision FAR_GAUSS takes the place of FAR; MOST_GAUSS panels without a torus take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # guard digits of the bounded part of the path
 GUARD = 2

@@ -30,7 +30,7 @@ Found = TypeVar("Found")
 # no long panel
 LONG = 9
 NEAR_CELLS = 27
-# on the first cells the clock may run this many times faster or slower than on later cells
+# estimates of the work allow for a clock that runs this many times faster or slower on the first cells
 UNEVEN = 4
 # long panels are used only if each Legendre coefficient is smaller than the one before by more than this many decimal
 # digits

@@ -76,7 +76,7 @@ class BodyFlow(MumfordFlow):
                 "within reach"
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
-        # another thread may replace the dictionary
+        # the clock is kept in a variable, since another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))

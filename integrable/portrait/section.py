@@ -41,7 +41,6 @@ ENDS, AXES = ("lower", "upper"), ("largest", "least")
 MOST_CROSSINGS = 10**6
 # a start within this fraction of a turn from a crossing counts as a start at the crossing
 ON = 1e-12
-# the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 # the number of right digits of the first τ, which is computed in floats; each step of Newton's method doubles it
 ROUGH_DIGITS = 12
