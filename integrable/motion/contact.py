@@ -189,8 +189,8 @@ class Rolling:
         return self.rates(np.hstack([run.gamma, run.M]))
 
     def _by_gauss(self, tau: np.ndarray, length: Real) -> np.ndarray:
-        """The bounded part at ``tau`` in multiprecision, by a Gauss–Legendre rule on each interval between neighbours
-        among 0, the ends of panels and all τ.
+        """The bounded part of the path at ``tau`` in multiprecision, by a Gauss–Legendre rule on each interval between
+        neighbours among 0, the ends of panels and all τ.
         """
         K = self.flow.system.field
         ends = {K.zero, *tau}

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
 # sums at several phases are products of matrices of up to ONE_THREAD multiplications: for more, NumPy uses several
-# threads, which wait in busy loops. If these would be fewer than FEWEST phases, the sums at all phases are one product,
-# as large tables are slow to read
+# threads, which wait in busy loops. If a product would have fewer than FEWEST phases, one product takes all phases, as
+# large tables are slow to read
 ONE_THREAD, FEWEST = 1 << 15, 4
 # modes below TINY may underflow in floats
 TINY = 1e-290

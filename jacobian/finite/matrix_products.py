@@ -81,8 +81,8 @@ class Products:
             in_ranges(n // BLOCK, max(64, n // BLOCK // 8), work)
 
     def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
-        """``values`` are those of polynomials at 0, β, …, (n − 1)β. For each (a, array) of ``targets``, their values at
-        aβ, (a + 1)β, … are written into the first n columns of the array.
+        """Each row of ``values`` has the values of a polynomial at 0, β, …, (n − 1)β. For each (a, array) of
+        ``targets`` the values of these polynomials at aβ, (a + 1)β, … are written into the first n columns of the array.
         """
         n, work = values.shape[1], self.convolutions
         weights = np.empty(n)
