@@ -82,7 +82,7 @@ class Products:
 
     def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
         """Each row of ``values`` has the values of a polynomial at 0, β, …, (n − 1)β. For each (a, array) of
-        ``targets`` the values of these polynomials at aβ, (a + 1)β, … are written into the first n columns of the array.
+        ``targets`` the values of these polynomials at aβ, (a + 1)β, … are written to the first n columns of the array.
         """
         n, work = values.shape[1], self.convolutions
         weights = np.empty(n)
