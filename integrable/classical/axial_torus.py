@@ -196,7 +196,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
     table: list[Real] = []
     for n, (one, other) in enumerate(zip(first, second, strict=True)):
         table += [*one, *(x if n % 2 == 0 else -x for x in other), *thetas[4 * n : 4 * n + 4]]
-    # z − x₁ is R₁², and z' is √2·R₁R₂R₃
+    # these are factors of the roots R_k of :class:`EllipticOval`, for which z − x₁ = R₁² and z' = √2·R₁R₂R₃
     height = oval.factors[0] ** 2
     slope = N.sqrt(N.coerce(2)) * oval.factors[0] * oval.factors[1] * oval.factors[2]
     half = half_turn()

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
     from integrable.phase.enclosure import Row
 
-# step relative to the radius of the disc; close to e⁻², which needs the fewest products
+# a step relative to the radius of the disc of complex times where Picard's theorem bounds the motion; the fraction e⁻²
+# would need the fewest products
 STEP = 0.125
 MOST_STEPS = 4_000
 KNOWN_FROM = 16

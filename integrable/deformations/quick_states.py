@@ -183,7 +183,6 @@ class QuickClock:
 
 
 def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
-    """``made``(``arguments``), or None if it raises ArgumentError or PrecisionLoss."""
     try:
         return made(*arguments)
     except (ArgumentError, PrecisionLoss):

@@ -135,7 +135,7 @@ class OvalCarrier(CurvesCarrier):
         self.pace = Pace(self.field, body.d, self.curves, self.levels, weights)
 
     def _frame(self, e: Sequence[Real], slope: Sequence[Real], back: tuple[Real, ...]) -> FreeFrame:
-        """The constants of the states, with 1 for the common sign of γ and M."""
+        """The :class:`FreeFrame` with ``side`` 1, from e = w/|M| at the start and its derivative ``slope``."""
         K, body = self.field, self.pair.body
         sizes = [r / K.sqrt(abs(c)) for r, c in zip(body.contact, body.differences, strict=True)]
         weights = [s * w for s, w in zip(_signs(self.curves, e, slope), sizes, strict=True)]

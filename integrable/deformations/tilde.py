@@ -1,4 +1,4 @@
-"""The tilde pair, the image of the ball's integrals under the 2-torsion map, with its five-parameter potentials."""
+"""The tilde pair of integrals, made with the ball's map that adds a divisor of order 2, and its potentials."""
 
 from __future__ import annotations
 

@@ -59,7 +59,8 @@ class _Image(NamedTuple):
 def divisors(system: Hamiltonian, state: State) -> TwoPoints:
     """The two points of a state of a pair without potential; for a check or hat pair, those on its tilde pair's curves.
 
-    NotASquare if ũ1, ũ2 or g are not in the field; NotRepresentable if moments are equal, ũ1 = ũ2, or K = 0.
+    NotASquare if ũ1, ũ2 (as in the module's docstring) or g are not in the field. NotRepresentable if moments are
+    equal, ũ1 = ũ2, or K = 0.
     """
     system, state = curves_of(system), lifted(system, state)
     image = _image(system, state)

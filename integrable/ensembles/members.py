@@ -45,7 +45,6 @@ class Many(Record, Generic[One]):
         raise NotImplementedError
 
     def _some(self, places: np.ndarray) -> Self:
-        """The members with these numbers."""
         return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
 
     def _joined(self, others: Iterable[Self]) -> Self:

@@ -40,7 +40,7 @@ PANEL_STEPS = 5
 FAR = 50
 # MOST_PANELS panels with states from the torus, or MOST_PRECISE with states computed one by one, take about a second
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision the torus costs less beyond FAR_GAUSS panels; without a torus MOST_GAUSS panels take minutes
+# in multiprecision FAR_GAUSS takes the place of FAR; MOST_GAUSS panels without a torus take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # guard digits of the bounded part of the path
 GUARD = 2
@@ -189,8 +189,8 @@ class Rolling:
         return self.rates(np.hstack([run.gamma, run.M]))
 
     def _by_gauss(self, tau: np.ndarray, length: Real) -> np.ndarray:
-        """The bounded part at ``tau`` in multiprecision, by a Gauss–Legendre rule on each interval between neighbours
-        among 0, the ends of panels and all τ.
+        """The bounded part of the path at ``tau`` in multiprecision, by a Gauss–Legendre rule on each interval between
+        neighbours among 0, the ends of panels and all τ.
         """
         K = self.flow.system.field
         ends = {K.zero, *tau}

@@ -274,14 +274,12 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return on_torus(self)
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """Computes :attr:`Trajectory.contact` for a run (:mod:`integrable.motion.contact`)."""
         from integrable.motion.contact import positions
 
         return positions(run)
 
     @cached_property
     def _level(self) -> tuple[Real, Real]:
-        """H1 and H2 of the motion."""
         h1, h2 = self.system.body.energies(*self.state.vectors)
         return h1, h2
 

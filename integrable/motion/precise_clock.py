@@ -30,13 +30,13 @@ Found = TypeVar("Found")
 # no long panel
 LONG = 9
 NEAR_CELLS = 27
-# on the first cells the clock may run this many times faster or slower than on later cells
+# estimates of the work allow for a clock that runs this many times faster or slower on the first cells
 UNEVEN = 4
 # long panels are used only if each Legendre coefficient is smaller than the one before by more than this many decimal
 # digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
+# 1/g of an upright state is computed from U(1/d) if all I_i/(I_i + d) exceed LIGHT: this costs up to three guard digits
 LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
 # correct digits

@@ -70,7 +70,7 @@ class SymmetricFlow:
         """Sets the constants of the formulas for γ and M, other than the phases θ and φ."""
         r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
         number, sqrt = self.numbers.number, gmpy2.sqrt
-        # at d = 0 and for three equal moments F is θ, and Π cancels the arctangent; at κ = 0 φ is constant
+        # at δ = 0, that is for d = 0 or three equal moments, φ is a linear function of θ; at κ = 0 it is constant
         self._flat = bool(delta == 0 or kappa == 0)
         self._kappa, self._size, self._root3 = map(number, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(number, (delta, swing.spread / mu, sqrt(mu)))
@@ -291,5 +291,4 @@ def half_turns(N: LongDoubles | Multiprecision, rest: np.ndarray) -> tuple[np.nd
 
 
 def _sign(count: np.ndarray) -> np.ndarray:
-    """(−1)^count."""
     return 1 - 2 * (count % 2)

@@ -109,8 +109,9 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
 def upright_motion(
     given: Row, tilted: bool
 ) -> tuple[Vector[Real], Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real], tuple[Real, Real]]:
-    """(a_i, (r_i, d), γ, M, (k, s, p, dkH1), (H1, H2)) from the moments, d, γ and M in ``given``: the upright motion to
-    the last digit, the constants of Chaplygin's transformation, and the integrals of the given motion.
+    """From the moments, d, γ and M in ``given``: the a_i = 1/(I_i + d) of both the given and the upright motion; (r_i,
+    d), γ and M of the upright motion, r_i = I_i/(I_i + d); (k, s, p, dkH1) of Chaplygin's transformation; and (H1, H2)
+    of the given motion.
     """
     d = given[3]
     a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))

@@ -254,8 +254,8 @@ def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector
 
 
 def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: float) -> Vector[Real]:
-    """ν = ``y`` of the pairs that :func:`framed` returns, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod
-    U hardly depends on the turn, no turn achieves this, and the turn is damped. ``off`` is the relative difference of
+    """``y``, the ν of the pairs that :func:`framed` returns, after one Newton step towards f ≡ V² mod U. The step turns
+    ν about σ = ``x``; it is damped where f − V² mod U hardly depends on the turn. ``off`` is the relative difference of
     H1/H2 on the required level set from H1/H2 of the motion.
 
     f − V² − UW, with the W of :func:`framed`, is a multiple of Π(x − α_i). It is evaluated at c, below the least α_i.

@@ -25,8 +25,8 @@ FEW = 6
 
 
 class Translations:
-    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are those of :mod:`integrable.moving_point.addition`;
-    ``half_step`` is half of a basic step, chosen by REACH.
+    """The translations T(eps) of one curve, in bare reals. ``f`` and ``axes`` are as in
+    :mod:`integrable.moving_point.addition`. ``half_step``, half of a basic step, is the largest eps of the series.
     """
 
     few: float = FEW

@@ -76,7 +76,7 @@ class BodyFlow(MumfordFlow):
                 "within reach"
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
-        # another thread may replace the dictionary
+        # the clock is kept in a variable, since another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
@@ -178,7 +178,7 @@ class BodySystem(SurfaceSystem):
         return N.one, N.zero
 
     def _rate_at(self, N: FormulaField) -> Rate:
-        """dt/dτ = √s, where s = Πc_i/(q²U(−p/q)) for l(x) = p + qx, q ≠ 0."""
+        """dt/dτ = √(Πc_i/(q²U(−p/q))) for l(x) = p + qx, q ≠ 0, and c_i = l(a_i)."""
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return Rate(-p / q, -1, N.sqrt(first * second * third) / abs(q))
 

@@ -234,7 +234,7 @@ def _lift(
         raise PrecisionLoss(APART)
     size = N.sqrt(square)
     own, one, other = (oval.start[k] for k in (which, which - 1, which - 2))
-    # if the point is at e, then σ = 0, and the sign is that of ν
+    # the sign of s follows from σ, or from ν if the point is at e, where σ = 0
     if (own * sigma if own * own > NEAR * NEAR * swing else one * other * slope / kappa * nu) < 0:
         size = -size
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which

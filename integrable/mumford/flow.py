@@ -180,8 +180,8 @@ class MumfordFlow(StateFlow[Path]):
         return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
-        """The states in ``near``, and those at further ``times`` that Taylor series with the finest steps reach at a
-        fraction of the cost of a torus, or without a torus below that of additions. None if ``near`` is None.
+        """The states in ``near``, and those at further ``times`` that Taylor series with the finest steps reach. The
+        series may cost a fraction of a torus or, if there is no torus, as much as additions. None if ``near`` is None.
         """
         if near is None:
             return None
@@ -219,7 +219,6 @@ class MumfordFlow(StateFlow[Path]):
 
     @property
     def _in_floats(self) -> bool:
-        """Whether states may be computed by compiled loops."""
         return bool(self.system.field == RR and not interpreted())
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:

@@ -34,9 +34,9 @@ MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one datum for each of ``kinds``, and the
-    direction of τ.
+    """The start of a motion: f, the pair (u, v) at τ = 0, and the direction of τ.
 
+    ``kinds`` are the data that the pair carries (:class:`Lift`, for example), ``data`` the value of each at τ = 0.
     ``further`` are the directions of any other times on which the pair depends.
     """
 

@@ -43,8 +43,8 @@ class QuadricSystem(MumfordSystem):
         raise NotImplementedError
 
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
-        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, which have no axes, and their
-        p, from a pair.
+        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, to which no a_i belong, and
+        their momenta p, from a pair.
         """
         return Point((), ())
 

@@ -159,7 +159,7 @@ class GroupTranslations:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size and flat)
 
     def _near(self, time: Real) -> Extended:
-        """E(time), with its data."""
+        """E(time), the reference divisor E moved for a short time, with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 

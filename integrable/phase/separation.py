@@ -69,7 +69,6 @@ def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Real], Real]) 
 
 
 def _roots(K: Any, u: poly.Poly) -> Two:
-    """The two roots of a monic quadratic polynomial."""
     if not K.exact:
         square = u[1] * u[1]
         discriminant = square - 4 * u[0]

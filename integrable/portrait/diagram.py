@@ -63,7 +63,7 @@ class Diagram(Record):
         return found
 
     def contains(self, X: Numbers, Z: Numbers) -> np.ndarray:
-        """Whether motions with these X and Z exist; the arguments are arrays that broadcast."""
+        """Whether motions with (γ, M)²/H2 = X and H1/H2 = Z exist; the arguments are arrays that broadcast."""
         X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
         inside: np.ndarray = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)

@@ -18,7 +18,7 @@ Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 PANELS = 512
 # the largest number of panels of one search, each of which takes some ten microseconds
 MOST_PANELS = 10_000_000
-# the tolerance of panels: their zeros only start Newton's method on the motion
+# the tolerance of the series of the condition on panels, whose zeros only start Newton's method on the motion
 TOLERANCE = 1e-12
 # if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
 # series

@@ -41,7 +41,6 @@ ENDS, AXES = ("lower", "upper"), ("largest", "least")
 MOST_CROSSINGS = 10**6
 # a start within this fraction of a turn from a crossing counts as a start at the crossing
 ON = 1e-12
-# the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 # the number of right digits of the first τ, which is computed in floats; each step of Newton's method doubles it
 ROUGH_DIGITS = 12
@@ -80,8 +79,8 @@ class BodySection(Section):
     """The crossings of a body's motion with a surface γ̃_i = 0: ``axis`` (0, 1 or 2) is i.
 
     ``tau`` (N,) are the values of τ at the crossings. ``phi`` and ``momentum`` (N,) are the coordinates on the section:
-    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. ``theta`` (N,) is the phase of the other point,
-    in turns: the map from one crossing to the next rotates it by ``rotation``.
+    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. One point of the divisor is then at an end of its
+    oval; ``theta`` (N,) is the phase of the other, in turns, which grows by ``rotation`` from crossing to crossing.
     """
 
     def __init__(self, run: Any, theta: np.ndarray, rotation: Real, axes: tuple[int, int, int]) -> None:

@@ -73,7 +73,7 @@ class SeparatedTorus:
 
     @property
     def one(self) -> Real:
-        """The number 1."""
+        """The number 1 of the field in which the ovals are computed."""
         one: Real = self._field.one
         return one
 
@@ -108,7 +108,7 @@ class SeparatedTorus:
     def _sampled(
         self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
     ) -> list[list[Real]]:
-        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, minus the parts of their poles."""
+        """For each form the coefficients of dφ at φ = π(k + ½)/n, times ``factor``, without the terms of its poles."""
         import gmpy2
 
         N = self._field

@@ -30,7 +30,7 @@ class ClassicalRun(Path):
 
 
 class ClassicalSystem:
-    """A :class:`MumfordSystem` whose states are (q, p) as ``gamma`` and ``M``."""
+    """A :class:`MumfordSystem` with states in the form of a body's: ``gamma`` is q, and ``M`` is p."""
 
     def __init__(self, system: MumfordSystem) -> None:
         self.system, self.field = system, system.field

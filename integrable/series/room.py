@@ -150,10 +150,10 @@ def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
 
 
 def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """(packs, groups). A pack lists at most ``most`` nodes whose sums over earlier coefficients share a vector.
+    """(packs, groups); the groups are those of :func:`_abreast`. A pack lists at most ``most`` nodes whose sums over
+    earlier coefficients share a vector.
 
-    A pack begins with one of the groups of :func:`_abreast`, if there are any left. Other nodes fill the rest of the
-    pack, unless its group consists of squares.
+    A pack begins with a group, if any is left. Other nodes fill the rest of the pack, unless it begins with squares.
     """
     groups, packs = _abreast(tape, most), []
     rest = [n for n in products if not any(n in nodes for nodes in groups)]

@@ -31,7 +31,7 @@ Factor = tuple[str, Side, int]
 
 
 class Loop(NamedTuple):
-    """A loop over the orders ``begin`` … ``end`` − 1, of which a round computes ``at_once``."""
+    """A loop over the orders ``begin`` … ``end`` − 1, ``at_once`` orders in each round."""
 
     begin: int
     end: int

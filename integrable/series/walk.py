@@ -99,9 +99,9 @@ class Given(NamedTuple):
 class Outputs(NamedTuple):
     """The times asked for, and the states ``found`` at them.
 
-    ``both`` has the states of both walks in the rows that are compared, as high and low parts. ``marks`` is UNVISITED
-    for rows that no walk has reached, WRONG for wrong rows, COMPARED for compared rows that are right, 0 for all
-    others.
+    A motion has two walks. ``both`` has the states of both in the rows that are compared, as high and low parts.
+    ``marks`` is UNVISITED for rows that no walk has reached, WRONG for wrong rows, COMPARED for compared rows that are
+    right, 0 for all other rows.
     """
 
     both: Array
@@ -530,7 +530,9 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
 
 
 def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[bool, float]:
-    """Whether the walks disagree in a row; their largest difference in q, p or a further part, relative to it."""
+    """Whether the two walks of a motion disagree in a row, and their largest difference there: each of the parts q, p
+    and any further part is measured relative to its largest component.
+    """
     half, width, count, both = layout.half, layout.parts * layout.half, len(outputs.times), outputs.both
     off, widest = False, 0.0
     for part in range(layout.parts):

@@ -207,7 +207,7 @@ class ConicStep(Move):
         return float((abs(y0) + poly.size_at(v, self.x0) + poly.size_at(u, self.x0) * above / below) / size)
 
     def _image(self, state: State) -> State:
-        """The image of an upright state. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""
+        """The image of an upright state. NotASquare if c² + 4H2 is no square; NotRepresentable if it or U(x0) is 0."""
         from jacobian.relatives.conic import parameter
 
         system, K = self.system, self.system.field

@@ -263,7 +263,7 @@ class Translation(Move):
 
 
 def moving_branch_point(h1: Real, h2: Real) -> Real:
-    """The abscissa h1/h2 of the branch point that moves with the integrals, for ``points``."""
+    """The abscissa h1/h2 of the branch point that depends on the integrals; one of the ``points`` of a Translation."""
     abscissa: Real = h1 / h2
     return abscissa
 

@@ -88,7 +88,7 @@ class _Run:
     # --- the tasks
 
     def _given(self, cost: float) -> Scene:
-        """The scene from which a row with ``cost`` digits starts: rounded to doubles if row or run is in floats."""
+        """The scene for a row of ``cost`` digits; its numbers are rounded to doubles if row or run is in floats."""
         return self.scene if min(cost, self.digits) > FLOAT_DIGITS else self.rounded
 
     def _task(self, kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1) -> Task:

@@ -55,7 +55,6 @@ class BodyTorus:
 
     def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
-        # the data of the motion, in its own units of length and time
         self.units, self._motion, self.tilt, start, self._problem, self._smallest = loops.begun(setup)
         found = loops.room(FOUND)
         m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)

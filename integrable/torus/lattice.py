@@ -152,7 +152,7 @@ class Beginning(NamedTuple):
 
 
 def beginning(setup: Setup, loops: Any) -> Beginning:
-    """The rows of a motion for ``loops``, computed in the bare reals of the set-up."""
+    """The :class:`Beginning` of a motion for ``loops``, computed in the bare reals of the set-up."""
     row = loops.row
     with setup.reals:
         problem = with_open_ovals(setup.bare, setup.reals.number(loops.closest))

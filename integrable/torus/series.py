@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
-# products of matrices have up to ONE_THREAD multiplications: above that NumPy uses several threads, which wait in busy
-# loops. If such a product takes fewer than FEWEST phases, all are summed at once, as large tables are slow to read
+# sums at several phases are products of matrices of up to ONE_THREAD multiplications: for more, NumPy uses several
+# threads, which wait in busy loops. If a product would have fewer than FEWEST phases, one product takes all phases, as
+# large tables are slow to read
 ONE_THREAD, FEWEST = 1 << 15, 4
 # modes below TINY may underflow in floats
 TINY = 1e-290

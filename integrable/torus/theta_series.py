@@ -63,8 +63,8 @@ def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real,
 
 
 def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tuple[Real, Real, Real, Real]:
-    """The coefficients of cos πaφ₁ and of sin πaφ₁ in row a of θ_k, the i-th row, then those of its derivative; from
-    (cosine, sine) of πφ₂.
+    """The coefficients of cos πaφ₁ and of sin πaφ₁, a = ε₁ + 2i, in θ of class k, then those in its derivative. They
+    are summed from row i of the table; ``second`` is (cosine, sine) of πφ₂.
     """
     (c2, s2), table = second, sums.table
     _, rows, columns = sums.sizes
@@ -138,7 +138,7 @@ def theta_weights(
         sums.table[n] = zero
     for k in range(classes):
         e1, e2 = sums.chars[4 * k], sums.chars[4 * k + 1]
-        # Y is reduced: the largest term is one with the least |a| and |m|
+        # Y = Im τ is a reduced form, so the largest e^(−πnYn), n = (a, m)/2, has the least |a| and |m|
         top, phase = term(lattice, e1, e2), sixteenths(lattice.turns, e1, e2)
         other = term(lattice, e1, -e2)
         if other > top:

@@ -46,7 +46,7 @@ def h_modulo(C: Any, first: Line) -> Pair:
 
 
 def over_tangent(C: Any, first: Line, numerator: Pair) -> Quotient:
-    """(r, r·s₁, r·s₀) for s = (k₁x + k₀)/(2V + h) modulo U."""
+    """(r, r·s₁, r·s₀) for s = s₁x + s₀ = (k₁x + k₀)/(2V + h) modulo U; r is the resultant of U and 2V + h."""
     (a1, a0, b1, b0), (k1, k0), (h1, h0) = first, numerator, h_modulo(C, first)
     t1, t0 = b1 + b1 + h1, b0 + b0 + h0
     square = t1 * t1 if C.h1 or C.h2 or C.h3 else square_of_twice(b1)
@@ -65,7 +65,7 @@ def opposite(C: Any, first: Line) -> Line:
 
 
 def tangent_of_degree_5(C: Any, first: Line) -> Quotient:
-    """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/(2V + h) modulo U. 9M + 2S, 3S if h ≠ 0."""
+    """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/(2V + h) modulo U, as in :func:`over_tangent`. 9M + 2S, 3S if h ≠ 0."""
     a1, a0, b1, b0 = first
     top, double = C.f5 * a1, C.f5 * (a0 + a0)
     bent = a1 * (top - C.f4)

@@ -127,7 +127,7 @@ def sum_u(C: Any, meeting: Four, middle: Four) -> Triple:
 
 
 def sum_v(C: Any, u: Triple, middle: Four) -> Triple:
-    """(v₂, v₁, v₀) of the sum's v = −v' modulo u."""
+    """(v₂, v₁, v₀) of the sum's v = −v' modulo u; ``middle`` has the coefficients of −v' (:func:`next_v`)."""
     (u2, u1, u0), (k3, k2, k1, k0) = u, middle
     return k2 - k3 * u2, k1 - k3 * u1, k0 - k3 * u0
 
@@ -136,7 +136,7 @@ def sum_v(C: Any, u: Triple, middle: Four) -> Triple:
 
 
 def quartic(C: Any, meeting: Four, middle: Four) -> Four:
-    """The coefficients of c·u' − v' below c·x⁴, where c is the leading coefficient of y at ∞₊."""
+    """The coefficients of c·u' − v' below c·x⁴, from u' = ``meeting`` and −v' = ``middle``, with y ~ c·x⁴ at ∞₊."""
     w3, w2, w1, w0 = (k + C.c * e for k, e in zip(middle, meeting, strict=True))
     return w3, w2, w1, w0
 

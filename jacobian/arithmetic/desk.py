@@ -61,7 +61,9 @@ def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
 
 
 def model_at(K: Any, x0: int, desk: Any) -> int:
-    """Writes the curve y² = G(t) as :func:`jacobian.addition.cantor_words.packed_curve` does; returns F(x_0)."""
+    """Returns F(x_0). If it is not 0, writes y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0), to ``desk.curve``, in the
+    form of :func:`jacobian.addition.cantor_words.packed_curve`.
+    """
     curve, moved, n = desk.curve, desk.moved, len(desk.F)
     g = (n - 3) // 2
     for i in range(n):

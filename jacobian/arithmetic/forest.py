@@ -58,8 +58,8 @@ def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
 
 
 class Tree(NamedTuple):
-    """The results of a tree: ``windows`` has the window at the beginning of each block, modulo the product of the
-    block's primes; ``behind`` is the window at the end of the last block, modulo the product of all later primes.
+    """The results of a tree of blocks. ``windows`` has the window of coefficients at the beginning of each block,
+    modulo the product of its primes; ``behind`` that at the end of the last block, modulo the product of later primes.
     """
 
     windows: list[list[Any]]
@@ -92,7 +92,7 @@ def trees(
 
 
 def _first_products(f: Sequence[int]) -> list[list[fmpz_poly]]:
-    """The entries of M(k + STEPS) ⋯ M(k + 1) as polynomials in k."""
+    """The entries of M(k + STEPS) ⋯ M(k + 1), with the matrices M of the recurrence, as polynomials in k."""
     d = len(f) - 1
     total = [[fmpz_poly([int(i == j)]) for j in range(d)] for i in range(d)]
     for step in range(1, STEPS + 1):

@@ -31,8 +31,8 @@ WHOLE = 6755399441055744.0
 class Walks(NamedTuple):
     """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: d coefficients, the last that of x^start, up to one
-    factor, (N, T, d).
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the coefficients of x^(start−d+1), …, x^start in
+    f^((p−1)/2), times a common factor, (N, T, d).
     """
 
     primes: Any
@@ -67,7 +67,7 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
             given = moduli[i], 1 / moduli[i], power[i], plain[i], weighted[i], windows[i]
             group = Group(*(np.ascontiguousarray(x).reshape(-1, LANES) for x in given))
             library().walk((start, d, count, translates), ends, group, room, out, total)
-            # when the walk arrives at prime n, it writes the values of all primes; those of prime n are taken
+            # whenever the walk arrives at one of its primes, it writes values for all; those for this prime are taken
             found[i] = out.reshape(TOGETHER, translates, count, LANES)[own, :, :, own % LANES]
             products[i] = total.reshape(TOGETHER, LANES)[own, own % LANES]
 

@@ -117,7 +117,7 @@ def sums(C: Any) -> Any:
 
 
 def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
-    """Stores the quotient of row j (the first half of its sum) and the product to be inverted."""
+    """Stores the quotient, which the first half of the sum in row j computes, and the number that this sum inverts."""
     S[PRODUCT + j] = K.canonical(STEPS[type(C)].product(K, C, quotient))
     keep(S, MIDDLE, j, quotient)
 

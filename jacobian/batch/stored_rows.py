@@ -219,7 +219,6 @@ class StoredRows:
         ]
 
     def _room(self) -> Any:
-        """Scratch memory for three polynomials modulo some u."""
         return self.memory(3, self.genus)
 
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:

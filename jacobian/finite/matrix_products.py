@@ -81,8 +81,8 @@ class Products:
             in_ranges(n // BLOCK, max(64, n // BLOCK // 8), work)
 
     def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
-        """For each (a, array) of ``targets``, writes into the first n columns of the array the values at a, a + 1, …
-        (in units of β), from ``values``, those at 0, …, n − 1.
+        """Each row of ``values`` has the values of a polynomial at 0, β, …, (n − 1)β. For each (a, array) of
+        ``targets`` the values of these polynomials at aβ, (a + 1)β, … are written to the first n columns of the array.
         """
         n, work = values.shape[1], self.convolutions
         weights = np.empty(n)

@@ -173,7 +173,9 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
-    """Multiplies ``window`` by iβ's matrix in ``values``, then M((i + 1)β), for ``points`` indices i ≥ ``first``."""
+    """For i = ``first``, ``first`` + 1, …, multiplies ``window`` by the product at the point iβ, then by M((i + 1)β).
+    ``values`` has the products at ``points`` points, that at ``first``·β in its first column.
+    """
     d = c.shape[1]
     for i in range(points):
         for r in range(d):

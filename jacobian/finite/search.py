@@ -68,7 +68,7 @@ class Candidates:
         return -bound, bound
 
     def values(self, r: tuple[int, ...]) -> range:
-        """The r_k that may follow r, in arithmetic progression."""
+        """The values of the next coefficient that may follow r = (1, r_1, …), in arithmetic progression."""
         low, high = self.interval(r)
         residue = self.residues[len(r) - len(self.known)]
         return range(low + (residue - low) % self.modulus, high + 1, self.modulus)
@@ -141,7 +141,9 @@ class Side:
         self._groups: dict[int, PrimaryGroup] = {}
 
     def order(self, r: list[int], q: int) -> int:
-        """The order of the Jacobian if R = z^g + r_1 z^(g−1) + …: R(1 + q), for the twist (−1)^g R(−1 − q)."""
+        """The order of ``J`` if the curve has the R = z^g + r_1 z^(g−1) + … of :mod:`jacobian.finite.weil`: R(1 + q)
+        for the curve, (−1)^g R(−1 − q) for the twist.
+        """
         return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
 
     def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:

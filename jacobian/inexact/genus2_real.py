@@ -189,7 +189,8 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
 def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, noise: Real) -> tuple[Real, Real]:
     """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
 
-    V'' = c0 + c1·x. t is reduced where the equation has more rounding noise than the linear system that gave V''.
+    U'' = x² + b1·x + b0 and V'' = c1·x + c0. t is reduced where the equation has more rounding noise than the linear
+    system that gave V''.
     """
     f0, f1, f2, f3, f4, f5 = f
     square = c0 * c0 + c1 * c1

@@ -22,5 +22,5 @@ def numbers_of(words: Any) -> Any:
 
 
 def pairs(words: Any) -> Any:
-    """A view of the same memory as int64 with a last axis (low, high), the form that compiled loops take."""
+    """A view of an array of WORDS as int64 with a last axis (low, high), the form that compiled loops take."""
     return words.view(np.int64).reshape(*words.shape, 2)

@@ -137,7 +137,7 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
 
 
 def ellipse(u: complex) -> float:
-    """log₁₀ r for the ellipse with foci ±1 through u."""
+    """log₁₀ of the sum of the semi-axes of the ellipse with foci ±1 through u."""
     root = cmath.sqrt(u * u - 1)
     return math.log10(max(abs(u + root), abs(u - root)))
 

@@ -164,7 +164,9 @@ def reduced(found: Periods) -> Periods:
 
 
 def characteristics(found: Periods) -> list[Whole]:
-    """The odd characteristics (ε₁, ε₂, δ₁, δ₂) = η₀ + 2(q, p) modulo 2 of the branch points."""
+    """The odd characteristics (ε₁, ε₂, δ₁, δ₂) = η₀ + 2(q, p) modulo 2 of the branch points, whose half-periods are
+    Ap + Bq. η₀ is the same for all.
+    """
     cycles = rough(found.cycles)
     bits = [[round(2 * x) % 2 for x in row] for row in coordinates(cycles, ratio(cycles), rough(found.halves))]
     for e1, e2, d1, d2 in product((0, 1), repeat=4):

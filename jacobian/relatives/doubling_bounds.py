@@ -61,7 +61,7 @@ def _largest_square(surface: KummerSurface, numbers: BallNumbers) -> Any:
     """A constant A with max x_i² ≤ A·√(max |δ_j(x)|) at all real points x of the surface."""
     acb_mat = numbers.flint.acb_mat
     forms = list(tropes(surface, numbers))
-    # the rows have the coefficients of the monomials x_i·x_j as linear combinations of the ten forms y
+    # each row of ``matrix`` expresses a monomial x_i·x_j as a linear combination of the ten quadratic forms
     matrix = acb_mat([[y.get(m, 0) for m in QUADRATIC] for _, y in forms]).inv()
     sizes = [sum(abs(c) for c in linear).sqrt() for linear, _ in forms]
     squares = (row for row, m in enumerate(QUADRATIC) if max(m) == 2)
