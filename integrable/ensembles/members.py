@@ -126,7 +126,6 @@ class Starts(Many[One], Generic[One, Found]):
         raise NotImplementedError
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
-        """The result of :meth:`at`."""
         raise NotImplementedError
 
 

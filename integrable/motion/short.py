@@ -122,8 +122,8 @@ class ShortRuns:
 
 
 class Asked(NamedTuple):
-    """The input of compiled runs: moments, d, γ and M of each motion, shape (K, 10), and fields of
-    :class:`integrable.moving_point.short_rows.Request`.
+    """The input of compiled runs. ``given`` has moments, d, γ and M of each motion, shape (K, 10). All other fields but
+    ``tilted`` are those of :class:`integrable.moving_point.short_rows.Request`.
     """
 
     given: np.ndarray

@@ -304,8 +304,8 @@ class Sums:
         return sums
 
     def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
-        """Adds to ``sums``[m], m < ``count``, the product of the left factor with the right factor m orders on, doubled
-        if ``twice``.
+        """Adds to ``sums``[m], m < ``count``, the product of the ``left`` coefficient and the coefficient m orders
+        after the ``right`` one, doubled if ``twice``.
         """
         (up, side, j), (down, other, i) = left, right
         x = text.load(self._place(side, j, 0), up)

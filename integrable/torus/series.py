@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
-# products of matrices have up to ONE_THREAD multiplications: above that NumPy uses several threads, which wait in busy
-# loops. If such a product takes fewer than FEWEST phases, all are summed at once, as large tables are slow to read
+# a product of matrices sums a series at as many phases as take ONE_THREAD multiplications: with more, NumPy uses
+# several threads, which wait in busy loops. If these are fewer than FEWEST phases, one product sums at all phases,
+# because it is slow to read a large table for each few phases
 ONE_THREAD, FEWEST = 1 << 15, 4
 # modes below TINY may underflow in floats
 TINY = 1e-290
@@ -195,8 +196,8 @@ class LongSeries:
         return found
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
-        fraction of the noise.
+        """The modes for this many digits, None for all. The smallest modes are left to floats, and with ``digits``
+        some are dropped, as long as the total error is at most half a unit of the last digit.
         """
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits

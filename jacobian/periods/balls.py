@@ -24,7 +24,7 @@ from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums, plus
 
-# the error bound is tried with ellipses of these fractions of the largest possible ρ, which is at most MOST_RHO
+# the values of ρ with which the error bound is tried, as fractions of the largest possible ρ or, if smaller, MOST_RHO
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
 # a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to the

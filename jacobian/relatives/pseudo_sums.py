@@ -99,7 +99,7 @@ def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
 
 
 def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """κ(2D) for a = κ(D): the values of b_14 … b_44 at (a, a), since coordinate 4 of the difference κ(0) is 1."""
+    """κ(2D) for a = κ(D): the values at (a, a) of the module's forms b_14, …, b_44, as y = κ(0) has y_4 = 1."""
     terms_twice(K, F, S, 4, a)
     return forms_of(K, F, S, 4)
 
