@@ -49,7 +49,6 @@ class Many(Record, Generic[One]):
         return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
 
     def _joined(self, others: Iterable[Self]) -> Self:
-        """These members, then those of ``others``."""
         every = (self, *others)
         return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
 

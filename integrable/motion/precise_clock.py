@@ -262,7 +262,6 @@ class PanelClock(RatePanels):
     # --- 1/g on one cell
 
     def _mean(self, cell: int) -> Real:
-        """The mean of 1/g over a cell, an interval of one basic step."""
         if cell not in self._means:
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             self._means[cell] = sum(map(mul, self._rule.weights, values)) / 2

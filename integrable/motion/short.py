@@ -161,8 +161,7 @@ def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray,
     """
     prepared, length = _prepared(), len(times)
     try:
-        # to pass an array to a call takes as long as half an addition of divisors, so the packed memory of an earlier
-        # run is used again
+        # packing an array for a call takes as long as half an addition of divisors, so earlier memory is used again
         work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)

@@ -206,9 +206,7 @@ def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
 
 
 def _digits(field: Any, condition: float) -> list[int]:
-    """The numbers of digits to try: twice the sum of the field's digits and those lost to the condition, then 2 and 4
-    times as many.
-    """
+    """Numbers of digits to try: n = 2(the field's digits + those lost to the condition), 2n and 4n."""
     own = field.dps or EPS_DIGITS
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))

@@ -16,7 +16,7 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from flint import acb, arb
 
-# −NOTHING is the decimal exponent of 0
+# −NOTHING stands for the decimal exponent of 0
 NOTHING = 1e9
 # the n-th harmonic of an integrand is about e^(−decay·n); a larger decay is replaced by this one: few nodes suffice
 LARGEST_DECAY = 40.0

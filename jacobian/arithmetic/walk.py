@@ -164,7 +164,7 @@ def rest(x: Any, p: Any, r: Any) -> Any:
 
 
 def invert(k: int, size: int, group: Any, room: Any) -> None:
-    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime to ``room``; multiplies ``room.run`` by (k + 1)⋯(k + size)."""
+    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime to ``room``; multiplies its ``run`` by (k + 1)⋯(k + size)."""
     P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
     product, power = room.product, room.power
     for q in range(groups):
