@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
-The sums of several nodes form one vector, and their factors are stored side by side. Straight-line code has all terms
-of a sum. A loop over orders computes AT_ONCE orders in a round: an inner loop first sums the terms of all these orders
-whose two factors belong to earlier rounds.
+The sums of several nodes form one vector, and their factors are stored side by side. Low orders are straight-line
+code, which has all terms of a sum. A loop over the other orders computes AT_ONCE orders in a round: an inner loop first
+sums the terms of all these orders whose two factors belong to earlier rounds.
 """
 
 from __future__ import annotations

@@ -173,7 +173,7 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
 
 
 def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
-    """The state with γ (or M, if ``by_momentum``) turned away from its exact direction by 10^−distance."""
+    """The state with γ and M (only M if ``by_momentum``) turned away from their exact directions by 10^−distance."""
     K: Any = system.field
     gamma, M = (list(map(K.coerce, v)) for v in state.vectors)
     i = max(range(3), key=lambda k: abs(M[k]))

@@ -136,10 +136,10 @@ def clock_series(
     """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``.
 
     Returns four numbers. The first is a bound of |S|. The second is minus the sum of all modes at the start, which
-    makes S vanish there; the third is the same for the modes that :func:`part_loud` leaves. The last is the mean of the
-    samples of 1/g divided by the true mean, 1 up to rounding. ``given`` has the numbers (turns of phase 1 and of
-    phase 2 per unit of τ, mean of 1/g, 2π), then the periods of 1/g in both phases, in turns. ``loud`` and ``pace`` are
-    filled for :class:`integrable.torus.clock_loops.Clock`.
+    makes S vanish there; the third is the same without the modes in ``loud``. The last is the mean of the samples of
+    1/g divided by the true mean, 1 up to rounding. ``given`` has the numbers (turns of phase 1 and of phase 2 per unit
+    of τ, mean of 1/g, 2π), then the periods of 1/g in both phases, in turns. ``loud`` and ``pace`` are filled for
+    :class:`integrable.torus.clock_loops.Clock`.
     """
     columns, (turns, doubled) = grid[1], given
     nu1, nu2, mean = turns[0], turns[1], turns[2]
