@@ -161,7 +161,7 @@ def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray,
     """
     prepared, length = _prepared(), len(times)
     try:
-        # packing an array for a call takes as long as half an addition of divisors, so earlier memory is used again
+        # passing an array takes as long as half an addition of divisors, so an earlier run's packed memory is reused
         work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)

@@ -213,8 +213,8 @@ class OvalTorus:
         return (first * b1 - second * b0) / self.area, (second * a0 - first * a1) / self.area
 
     def _place(self) -> None:
-        """Sets the phases of the ``start``, the module's ``constant``/(area of the lattice), and the sign of σ₁σ₂σ₃ at
-        the phases 0.
+        """Sets ``start``, the phases of the start; ``constant``, the factor constant/(area of the lattice) of the
+        module's formula; and the sign of σ₁σ₂σ₃ at the phases 0.
         """
         setup, axes = self._setup, self.axes
         count = 1 if axes[7].mid() == 0 else STEPS
