@@ -22,7 +22,9 @@ Row = Any
 
 
 def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
-    """The height z of the point with the square roots R₁, R₂ and R₃, computed from the smallest of them."""
+    """The height z of the point with the square roots ``r`` = (R₁, R₂, R₃), computed from the smallest of them. The
+    R_i and the ``levels`` of a curve are those of the module's docstring.
+    """
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return levels[0] + r[0] * r[0] * levels[3]
     if abs(r[1]) <= abs(r[2]):

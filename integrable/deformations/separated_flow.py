@@ -41,8 +41,8 @@ class FreeFrame(NamedTuple):
 
     ``spread`` is λ1 − λ2. w_i/|M| is proportional to ``weights``_i·p_iq_i, with the roots p_i and q_i = ±√|Z − μ_k/I_i|
     on the curves k = 1 and 2. ``leans``_i is the constant factor of N_i (:mod:`integrable.deformations.two_curves`),
-    ``contact`` is 1 − da_i, ``side`` the sign of γ and M. ``back`` is the diagonal of the lift to a check or hat pair,
-    empty if there is none.
+    ``contact`` is 1 − da_i, ``side`` = ±1 the common sign of γ and M, which the points do not determine. ``back`` is
+    the diagonal of the lift to a check or hat pair, empty if there is none.
     """
 
     d: Real

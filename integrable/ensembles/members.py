@@ -48,7 +48,6 @@ class Many(Record, Generic[One]):
         return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
 
     def _joined(self, others: Iterable[Self]) -> Self:
-        """These members, then those of ``others``."""
         every = (self, *others)
         return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
 
@@ -125,7 +124,6 @@ class Starts(Many[One], Generic[One, Found]):
         raise NotImplementedError
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
-        """The result of :meth:`at`."""
         raise NotImplementedError
 
 

@@ -111,8 +111,8 @@ class RatePanels:
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """A number of decimal digits: each Legendre coefficient of 1/g over ``length`` cells is smaller than the one
-        before by at least this many.
+        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease on a panel of
+        ``length`` basic steps.
         """
         return self._scouts.digits_a_node(self._sign, length)
 
@@ -262,7 +262,6 @@ class PanelClock(RatePanels):
     # --- 1/g on one cell
 
     def _mean(self, cell: int) -> Real:
-        """The mean of 1/g over a cell."""
         if cell not in self._means:
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             self._means[cell] = sum(map(mul, self._rule.weights, values)) / 2

@@ -82,8 +82,8 @@ class SymmetricFlow:
         self._factors = number(first), number(third)
 
     def _phases(self, swing: Swing, rate: Real, kepler: Real) -> None:
-        """Sets the rates of θ and φ in turns per unit of t and of τ, the turn of φ due to Π per half turn of θ, and the
-        phases at the start.
+        """Sets the rates of θ and φ in turns per unit of t and of τ, the turns of φ per half turn of θ due to
+        arctan(κ tan θ) and Π, and the phases at the start.
         """
         N, number, pi, near = self.numbers, self.numbers.number, gmpy2.const_pi(), self.numbers.field.root_of_eps
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
@@ -177,10 +177,11 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), N.pi * part
 
     def _turned_nearby(self, times: np.ndarray, gap: np.ndarray, turned: np.ndarray) -> np.ndarray:
-        """``turned``, the turns of φ due to F since the start, computed anew where θ − θ₀, about ``gap``, is small.
+        """``turned``, the turns of φ since the start due to its term with the elliptic integral F(θ | m), computed anew
+        where θ − θ₀, about ``gap``, is small.
 
-        φ may turn a million times as fast as F, and the difference F(θ) − F(θ₀) of two values loses digits. By the
-        addition theorem it equals F(ψ) for an angle ψ whose sine is a function of θ and θ₀.
+        The factor of F may be a million, and the difference F(θ) − F(θ₀) of two values loses digits. By the addition
+        theorem the difference is F(ψ) for an angle ψ whose sine is a function of θ and θ₀.
         """
         near, N = np.flatnonzero(np.abs(gap) < NEARBY), self.numbers
         if self._flat or not len(near):
@@ -252,7 +253,7 @@ class SymmetricFlow:
         return c / self._root_mu * np.where(abs(y) < small, short, long)
 
     def _turned(self, x: np.ndarray) -> np.ndarray:
-        """φ at θ = x minus φ at θ = 0, without the contribution of F."""
+        """φ − φ₀ at θ = x without the term of F: arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m)."""
         if self._flat:
             return 0 * x
         # at θ = π/2 the arctangent and Π each change by half a turn within a distance of about κ; cos ≥ 0 keeps both on

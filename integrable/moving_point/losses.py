@@ -35,7 +35,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
             square *= x
         grown = K.sqrt(square) * tau
         near = min(others)
-        # a smaller gap is a double root with rounding errors
+        # a gap up to this size is a double root with rounding errors
         if gap > K.eps * 10**8 * near:
             grown = min(grown, K.context.log(1 + 16 * near / gap))
         # the factor 2 is due to the translations, whose errors grow as much as those of the points

@@ -139,8 +139,8 @@ def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
 def made_upright(
     given: Row, a: Vector[Real], gamma: Vector[Real], M: Vector[Real], energies: tuple[Real, Real], tilted: bool
 ) -> tuple[Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real]]:
-    """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and (k, s, p, dkH1) of Chaplygin's
-    transformation.
+    """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and the constants (k, s, p, dkH1) of Chaplygin's
+    transformation (:mod:`integrable.phase.upright`).
     """
     I0, I1, I2, d = given[0], given[1], given[2], given[3]
     (x, y, u), (m0, m1, m2), (h1, h2), zero = gamma, M, energies, 0 * d

@@ -271,9 +271,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
 
 
 def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
-    """The sum of the absolute values of the last two Chebyshev coefficients, and that of the two coefficients four
-    orders lower.
-    """
+    """The sums of the absolute values of the last two Chebyshev coefficients, and of the two four orders lower."""
     count, matrix = len(rule.nodes), rule.coefficients
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     for j in range(count):

@@ -96,9 +96,7 @@ def exact_at(rows: Expansion, eps: float) -> bool:
 
 
 def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
-    """Computes the translations at the levels ``first`` … ``last`` by their expansion; ``eps`` is the time of the first
-    translation.
-    """
+    """Computes the translations at the levels ``first`` … ``last`` by their expansion; the first is by ``eps``."""
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
         # ``rates`` is still unused, so it holds the times meanwhile

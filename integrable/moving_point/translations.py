@@ -152,7 +152,7 @@ class Translations:
 
 class Expansion(NamedTuple):
     """Rows for the coefficients of u0, u1, v0/eps and v1·eps of T(eps), power series in z = eps², and for auxiliary
-    series: s0 and ``squares`` = (v1·eps)² (:func:`expand_orders`), and ``less``, the coefficients of w0 + 4/z.
+    series: s0, ``squares`` = (v1·eps)², and ``less`` = w0 + 4/z, with s0 and w0 as in :func:`expand_orders`.
     """
 
     u0: Row

@@ -91,8 +91,9 @@ class EllipticOval:
     """A point that moves on Z'² = 4(Z − e₁)(Z − e₂)(Z − e₃) in the oval e₁ ≤ Z ≤ e₂ ≤ e₃, in long numbers.
 
     The roots R₁ = √(Z − e₁), R₂ = √(e₂ − Z) and R₃ = √(e₃ − Z) are multiples of sn, cn and dn. Their signs are those
-    for which Z' = 2R₁R₂R₃ and R₃ > 0, so R₁ and R₂ change sign. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂; ``start``
-    are R₁ and R₂ ≥ 0 at the start. ``period`` is the time in which Z returns, ``phase`` the turns since Z = e₁.
+    for which Z' = 2R₁R₂R₃ and R₃ > 0, so R₁ and R₂ change sign. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂. As an
+    argument ``start`` has R₁ and R₂ ≥ 0 at the start, as an attribute also R₃. ``period`` is the time in which Z
+    returns, ``phase`` the turns since Z = e₁.
     """
 
     def __init__(self, N: LongField, swing: Real, above: Real, start: Sequence[Real]) -> None:
@@ -241,7 +242,7 @@ def _lift(
 
 
 def means(N: LongField, b: Real) -> list[tuple[Real, Real]]:
-    """The steps (a, b) of the arithmetic-geometric mean of 1 and b; the last pair is the mean."""
+    """The pairs (a_n, b_n) of the arithmetic-geometric mean of a_0 = 1 and b_0 = ``b``; in the last, a_n = b_n."""
     a, found = N.one, []
     while True:
         found.append((a, b))

@@ -121,7 +121,7 @@ class PointFormulas:
         self._fixed, self._rooms = LongTape(fixed), list[np.ndarray]()
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
-        """The values of all operations on the first ``count`` variables alone, in double-doubles."""
+        """The values of all operations that depend on the first ``count`` variables only, in double-doubles."""
         return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:

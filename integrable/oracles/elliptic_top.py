@@ -163,7 +163,7 @@ class EllipticTop:
         return c.re(c.ellippi(n, amplitude, self.parameter))
 
     def _floats(self, places: list[tuple[Any, int]], angles: Vector) -> np.ndarray:
-        """Rows of γ and M in floats, by SciPy, from reduced values of u and reduced angles."""
+        """γ and M in floats, by SciPy. ``places`` are from :meth:`_reduced`; ``angles`` are reduced modulo 2π."""
         needed("scipy", "the closed form in floats")
         from scipy.special import ellipj, elliprf, elliprj
 

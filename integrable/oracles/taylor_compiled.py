@@ -56,7 +56,7 @@ def root(s, x, n, k):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _reach(series, half, order, tolerance):  # type: ignore[no-untyped-def]
-    """The step at which the last two terms are ``tolerance`` relative to each half of the state; inf at rest."""
+    """The step at which the last two terms are ``tolerance`` times the size of each half of the state; inf at rest."""
     reach = np.inf
     for base in (0, half):
         scale = 0.0

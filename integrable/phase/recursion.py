@@ -41,7 +41,7 @@ def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
 
 
 def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
-    """The recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) as a 4×4 matrix."""
+    """The recursion operator Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) of the brackets Π, Π', with the :func:`eigenvalues` λ_k."""
     values = eigenvalues(body, point) * 2
     zero = body.field.zero
     return tuple(tuple(value if i == j else zero for j in range(4)) for i, value in enumerate(values))

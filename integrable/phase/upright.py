@@ -64,7 +64,7 @@ class ChaplyginTransformation:
         return ChaplyginTransformation(body, Body.make(moments, d, K), k, s, p, shift)
 
     def apply(self, state: State) -> State:
-        """The upright state (γ̃, M̃) of (γ, M), with g̃ = g/(s(1 − dkn)), n = (γ, ω), if the state has g."""
+        """The upright state (γ̃, M̃); if the state has g, also g̃ = g/(s(1 − dk(γ, ω))) with the attributes s and k."""
         K = self.body.field
         gamma, M = self.apply_vectors(*state.vectors)
         g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(*state.vectors)))

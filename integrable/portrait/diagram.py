@@ -142,7 +142,7 @@ def _divergence(level: Level) -> float:
     (a1, a2, a3), d, size = level.a, level.d, level.momentum
     x = a1 + (a3 - a1) * np.sin(np.pi / 2 * (np.arange(NODES) + 0.5) / NODES) ** 2
     slow, slow2 = np.sqrt(1 - d * x), np.sqrt(1 - d * a2)
-    # the difference quotient of x/√(1 − d̃x) between x and a₂
+    # the difference quotient of x/√(1 − dx) between x and a₂
     quotient = (x + a2 - d * x * a2) / ((x * slow2 + a2 * slow) * slow * slow2)
     value = np.pi / 2 * quotient.mean() / size
     slope = 2 * size * slow2 * np.sqrt((a2 - a1) * (a3 - a2))

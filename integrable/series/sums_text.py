@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
-The sums of several nodes form one vector, and their factors are stored side by side. Straight-line code has all terms
-of a sum. A loop over orders computes AT_ONCE orders in a round: an inner loop first sums the terms of all these orders
-whose two factors belong to earlier rounds.
+The sums of several nodes form one vector, and their factors are stored side by side. Low orders are straight-line
+code, which has all terms of a sum. A loop over the other orders computes AT_ONCE orders in a round: an inner loop first
+sums the terms of all these orders whose two factors belong to earlier rounds.
 """
 
 from __future__ import annotations
@@ -304,8 +304,8 @@ class Sums:
         return sums
 
     def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
-        """Adds to ``sums``[m], m < ``count``, the product of the left factor with the right factor m orders on, doubled
-        if ``twice``.
+        """Adds to ``sums``[m], m < ``count``, the product of the ``left`` coefficient and the coefficient m orders
+        after the ``right`` one, doubled if ``twice``.
         """
         (up, side, j), (down, other, i) = left, right
         x = text.load(self._place(side, j, 0), up)

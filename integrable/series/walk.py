@@ -137,8 +137,8 @@ class Place(NamedTuple):
 class Course(NamedTuple):
     """The progress of a motion, in its ``unit`` of time: ``limit`` rows are to be reached, and ``steps`` were taken.
 
-    ``tier`` is the index of its bounds. The walk is at the time ``now``, its next row is ``done``. The second walk is
-    at ``later``, its next row is ``behind``. ``seen`` is the comparison of both.
+    ``tier`` is the index of the :class:`Bounds` in use. The first walk is at the time ``now``, its next row is
+    ``done``. The second walk is at ``later``, its next row is ``behind``. ``seen`` is the comparison of both.
     """
 
     unit: float
@@ -385,7 +385,7 @@ def put_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
 
 
 def shortest_time(layout: Layout, room: Array, lane: int) -> float:
-    """The shortest time scale of q or p, estimated from their first coefficients in the unit 1."""
+    """The shortest time scale of q or p, estimated from their first Taylor coefficients for the unit of time 1."""
     shortest = FARTHEST
     for begin in (0, layout.half):
         for j in range(FIRST):

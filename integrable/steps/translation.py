@@ -197,7 +197,7 @@ class Translation(Move):
     def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
         if self.multiple % 2:
             return group.multiple(self.multiple, self._lifted(group, u, v))
-        # the double of any divisor has its signed roots in the field
+        # for the double of any divisor (U, V) the roots of U at the branch points are in the field
         move = group.multiple(self.multiple // 2, group.double(group.twist(u, v)))
         neg = self.system.field.neg
         signed = zip(move.pairs, (*self.signs, 1), strict=False)

@@ -268,9 +268,7 @@ class Study:
 
     @property
     def horizons(self) -> list[float | None]:
-        """The single times at which flows were compared with others, the shortest first, and None for all of a scene's
-        times.
-        """
+        """The single times at which flows were compared with others, ascending, and None for all of a scene's times."""
         every = [standing.T for f in self.motions for standing in f.standings]
         return [*sorted({T for T in every if T is not None}), *([None] if None in every else [])]
 

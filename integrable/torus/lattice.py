@@ -48,7 +48,7 @@ class Units(NamedTuple):
 
     @property
     def time(self) -> float:
-        """The value of Σ∫dξ/η over a path with Σ∫dx/y = 1."""
+        """The value of Σ∫dξ/η over a path with Σ∫dx/y = 1, (ξ, η) being the coordinates of this class."""
         return self.length * self.lift
 
     @staticmethod
@@ -164,8 +164,9 @@ def beginning(setup: Setup, loops: Any) -> Beginning:
 
 
 def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, motion: Row) -> bool:
-    """Fills a ``problem`` row and a ``motion`` row with the origin 0 from moments, d, γ and M (``given``). Returns
-    whether the numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
+    """Fills the rows ``problem`` (:func:`~integrable.moving_point.problem.problem_row`) and ``motion``
+    (:func:`motion_row` for :class:`Units` with the origin 0) from moments, d, γ and M (``given``). Returns whether the
+    numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
     """
     x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
                         float(given[7]), float(given[8]), float(given[9]))  # fmt: skip

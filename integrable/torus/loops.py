@@ -73,7 +73,7 @@ class ReadableLoops:
         return list(values)
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
-        """The spectrum of :func:`integrable.torus.clock_modes.spectrum_of_samples`, and the sizes that it returns."""
+        """The spectrum that :func:`integrable.torus.clock_modes.spectrum_of_samples` writes, and its result."""
         (rows, columns), size = samples.shape, max(samples.shape)
         rooms, room = [self.room((rows + 2) * columns) for _ in range(3)], [0.0] * (rows // 2 + columns // 2 + 2)
         with self.reals:

@@ -116,9 +116,10 @@ class FoundModes(NamedTuple):
     leaning: Table | None
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
-        """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
-        the last modes of the tables are. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
-        where the last modes are only rounding errors, so that further modes would be no smaller.
+        """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean. In a direction
+        in which the last modes of the tables are that small, the number is that of ``size``. The rate of decay is
+        measured where modes exceed 10^(−``held``). PrecisionLoss where the last modes are only rounding errors, so that
+        further modes would be no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
@@ -212,7 +213,9 @@ class OvalTorus:
         return (first * b1 - second * b0) / self.area, (second * a0 - first * a1) / self.area
 
     def _place(self) -> None:
-        """The phases of the start, the constant of 1/g, and the sign of σ₁σ₂σ₃ where the phases vanish."""
+        """Sets ``start``, the phases of the start; ``constant``, the factor constant/(area of the lattice) of the
+        module's formula; and the sign of σ₁σ₂σ₃ at the phases 0.
+        """
         setup, axes = self._setup, self.axes
         count = 1 if axes[7].mid() == 0 else STEPS
         points = [[self.ball(x) for x in setup.problem.start]]

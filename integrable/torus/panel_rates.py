@@ -97,7 +97,9 @@ class Scouts:
         self._rules: dict[int, tuple[LegendreSeries, list[Row]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """The fewest digits gained per Legendre coefficient, on panels of ``length`` steps (Setup.step_length)."""
+        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease, on the worst of
+        some panels of ``length`` steps (Setup.step_length); ``sign`` is the direction of time.
+        """
         if (sign, length) not in self._found:
             sizes = self._sizes(sign, length)
             most = max(sizes[1:])

@@ -196,8 +196,8 @@ class LongSeries:
         return found
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
-        fraction of the noise.
+        """The modes for this many digits, None for all. The smallest modes are left to floats, and with ``digits``
+        some are dropped, as long as the total error is at most half a unit of the last digit.
         """
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits

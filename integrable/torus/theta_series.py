@@ -154,8 +154,8 @@ def theta_weights(
 
 
 def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int, top: Real, phase: int) -> bool:
-    """Adds the coefficients of n = (a, ±b)/2, with + on ``side`` 0 and − on ``side`` 1, to row i of class k, where
-    (k, i) = ``place``.
+    """Adds the terms of the theta series of class k with n = (a, ±b)/2, for the a of row i and all b, to this row of
+    the tables; (k, i) = ``place``. The sign is + on ``side`` 0 and − on ``side`` 1.
 
     ``top`` and ``phase`` are the size and the phase of the largest term. Returns whether all terms are real multiples
     of it.

@@ -76,7 +76,7 @@ def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, i
     """Fills ``out``; returns the basis Λ₁, Λ₂ as integer rows (m₁, n₁), (m₂, n₂) in the periods of the two ovals.
 
     ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ of both phases per unit of the flow's time, the entries Y₁₁,
-    Y₁₂, Y₂₂ of Y, the turns of both phases along (0, 1), and
+    Y₁₂, Y₂₂ of Y, the turns of both phases over a path with (Σ∫dx/y, Σ∫x dx/y) = (0, 1), and
     :func:`integrable.moving_point.elliptic_integrals.mean_slowness`. If d = 0, Y₁₁ is infinite and 0 is written.
     """
     ends, d, pi, r = (motion[0], motion[1], motion[2], motion[3]), motion[8], motion[9], motion[10]

@@ -141,7 +141,7 @@ class Term:
 
 
 def cross(x1: Any, x0: Any, y1: Any, y0: Any) -> Any:
-    """x₁y₀ + x₀y₁, where the caller also needs x₁y₁ and x₀y₀; ``karatsuba`` saves a product (Karatsuba, Ofman 1962)."""
+    """x₁y₀ + x₀y₁ beside x₁y₁ and x₀y₀; a :class:`Tape` with ``karatsuba`` saves a product (Karatsuba, Ofman 1962)."""
     if _saves_products(x1, x0, y1, y0):
         return (x1 + x0) * (y1 + y0) - x1 * y1 - x0 * y0
     return x1 * y0 + x0 * y1

@@ -77,7 +77,7 @@ def model_at(K: Any, x0: int, desk: Any) -> int:
     curve[0], curve[1], curve[2], curve[3], curve[4], curve[5], curve[6] = g, 1, n, 0, g + 2, g + 2, 1
     for i in range(n):
         curve[HEAD + n - 1 - i] = K.dot(moved[i], scale)
-    # the principal parts ±V: V has degree g + 1, and deg(G − V²) ≤ g
+    # the principal parts ±V of y² = G(t): V has degree g + 1, and deg(G − V²) ≤ g
     top = HEAD + n + g + 1
     curve[top] = 1
     for i in range(1, g + 2):

@@ -138,7 +138,9 @@ def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
 
 
 def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
-    """The window at the beginning of each block, modulo the block's primes, from that at the beginning of the tree."""
+    """The windows (module docstring) at the beginnings of all blocks of a tree, each modulo the product of the block's
+    primes, from the ``window`` at the beginning of the tree.
+    """
     above = [window]
     for level in range(len(modules) - 2, -1, -1):
         here = []

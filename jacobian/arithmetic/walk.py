@@ -42,7 +42,9 @@ class Walks(NamedTuple):
 
 
 def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
-    """(c_(p−1), …, c_(p−count)) up to the factor of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
+    """The c_(p−1), …, c_(p−count) of the module's docstring, (N, T, count), and Π_{start<k<p} k, (N,), modulo p. The
+    c_k contain the same factor as those in ``walks.window``.
+    """
     primes, ratios, start, window = walks
     size, translates, d = ratios.shape
     groups = -(-size // TOGETHER)
@@ -162,7 +164,7 @@ def rest(x: Any, p: Any, r: Any) -> Any:
 
 
 def invert(k: int, size: int, group: Any, room: Any) -> None:
-    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime, and multiplies ``run`` by these k + i."""
+    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime to ``room``; multiplies its ``run`` by (k + 1)⋯(k + size)."""
     P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
     product, power = room.product, room.power
     for q in range(groups):

@@ -106,9 +106,7 @@ def negate_rows(K: Any, h: Any, first: Any, out: Any, span: Any, R: Any) -> None
 
 
 def select_rows(tables: Any, choice: Any, out: Any) -> None:
-    """Copies row i of table choice[i] into row i of ``out``, for every i. Both ``tables`` and ``out`` are
-    (rows, degrees, weights).
-    """
+    """Copies row i of table choice[i] into row i of ``out``; ``tables`` and ``out`` are (rows, degrees, weights)."""
     (data, degrees, weights), (x, degree, weight) = tables, out
     for k in range(x.shape[0]):
         for i in range(x.shape[1]):

@@ -116,7 +116,7 @@ def compiled() -> None:
 
 
 def step(p: int, d: int) -> int:
-    """The β with the least work that fits into memory."""
+    """The β of the module's docstring: the power of 2 with the least work for which the values fit into memory."""
     largest = min(LONGEST // 2, MEMORY // (16 * d * d))
     sizes = (1 << m for m in range(FIRST.bit_length() - 1, largest.bit_length()))
     return min((beta for beta in sizes if 4 * beta < p), key=lambda beta: transforms(p, beta))

@@ -210,9 +210,9 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
 def newton_step(
     f: Seven, b0: Number, b1: Number, c0: Number, c1: Number, lean: Number, noise: Any
 ) -> tuple[Number, Number]:
-    """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
+    """(c0, c1) + t·(lean, 1): a Newton step for V''² ≡ f modulo U'', V'' = c0 + c1·x, U'' = x² + b1·x + b0.
 
-    V'' = c0 + c1·x. t is reduced where the equation has more rounding noise than the linear system that gave V''.
+    t is reduced where the equation has more rounding noise than the linear system that gave V''.
     """
     sizes = square(c0) + square(c1)
     doubt = noise * (sizes * sizes + square(f[0]) + square(f[1]))

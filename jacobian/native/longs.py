@@ -17,7 +17,7 @@ def words_of(numbers: Any) -> Any:
 
 
 def numbers_of(words: Any) -> Any:
-    """The Python ints of an array of WORDS."""
+    """An array of dtype WORDS as Python ints, of the same shape."""
     return words["low"].astype(object) | words["high"].astype(object) << 64
 
 
