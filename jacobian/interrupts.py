@@ -31,7 +31,7 @@ second.
 
 
 class _Standing:
-    """The state for interrupts: the name of the command, whether its work is ``over``, and the locks for printing."""
+    """The data of the handler of interrupts: the name of the command, whether its work is ``over``, and the locks for printing."""
 
     name = ""
     over = False

@@ -139,7 +139,9 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion for exact inputs, to ``digits`` digits, even if ``digits`` + ``most_lost`` are lost."""
+    """The states of a motion for exact inputs, to ``digits`` digits, after a loss of at most
+    ``digits`` + ``most_lost`` digits.
+    """
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""
@@ -156,7 +158,7 @@ class ManyDigits:
         self._too_far: Real = inf
 
     def carrier_of(self, digits: int) -> Carrier:
-        """A carrier of the motion with ``digits`` digits."""
+        """A :class:`Carrier` of the motion whose results have ``digits`` digits."""
         raise NotImplementedError
 
     def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:

@@ -24,8 +24,8 @@ WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and
 # the deviation of H2 (OFF)
 RATE, BEGIN, OFF = 10, 11, 17
-# positions in the rows of ``seen``, which describe precomputed centres: the distance from the shadow, the second motion
-# of :mod:`integrable.moving_point.short` (SHADOW), and the relative correction after the addition (MOVED)
+# positions in the rows of ``seen``, which describe precomputed centres of panels: the distance from the centre on the
+# shadow (:mod:`integrable.moving_point.short`) is at SHADOW, the relative correction after the addition at MOVED
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # number of rows of wide points: one for a centre, and one for each level of halving

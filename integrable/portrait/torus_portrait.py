@@ -58,7 +58,9 @@ class TorusPortrait(Immutable):
 
 
 def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
-    """Signs that make the actions of ovals positive, then the actions and each frequency with these signs."""
+    """[signs, actions, [f₁], [f₂], …]: signs that make the actions of ovals positive, and actions and frequencies f_k
+    with these signs.
+    """
     actions, one = torus.actions, torus.one
     signs = [one for _ in torus.frequencies]
     for k, (oval, action) in enumerate(zip(torus.ovals, actions or (), strict=False)):

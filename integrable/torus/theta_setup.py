@@ -53,7 +53,7 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
         out[1] = rest + middle * out[0]
         out[2], out[3] = 0 * k, 0 * k
         return
-    # c is no farther from the second branch point than the fourth is
+    # ``after`` is e₂ − c: half the first oval, or e₄ − e₂ if that is less
     after = (e2 - e1) / 2
     if float(e4 - e2) < float(after):
         after = e4 - e2
