@@ -139,9 +139,7 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion for exact inputs, to ``digits`` digits, after a loss of at most
-    ``digits`` + ``most_lost`` digits.
-    """
+    """The states for exact inputs, to ``digits`` digits; the motion may lose ``digits`` + ``most_lost`` digits."""
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""

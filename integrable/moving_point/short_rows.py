@@ -18,7 +18,7 @@ LEVELS, FINEST = 6, 7
 # before by at least the factor ORDER_GAIN, and 15 such factors make 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# TIME_UNIT is the position of the unit of physical time in ``wide``, after a problem's row; WIDE is its length
+# the row ``wide`` has WIDE numbers: a problem's row, then the unit of physical time at TIME_UNIT
 TIME_UNIT = ROW
 WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and

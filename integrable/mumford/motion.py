@@ -67,7 +67,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # the times ``further`` of the last call of :meth:`at`, and D at these times and τ = 0; many calls differ only in τ
+        # the times ``further`` of the last call of :meth:`at`, and D at them and τ = 0: many calls differ only in τ
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     def translations(self, which: int = 0) -> GroupTranslations:

@@ -520,7 +520,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
                 marks[row] = WRONG
                 wrong += 1
             worst = widest if not widest <= worst else worst
-            # the walks' difference grows at least linearly, so in the last row it is at least ``widest``·last/way
+            # the walks' difference grows at least linearly in time: in the last row it is at least ``widest``·last/way
             way = abs(times[row])
             if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
                 first = rows if lost == 0 else first

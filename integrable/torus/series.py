@@ -138,8 +138,8 @@ class LongSeries:
     """The function S of a :class:`TorusSeries` in many digits, at many points at once; ``rough`` is the series in
     floats.
 
-    ``rows[k]`` are the modes of the function F of the TorusSeries for k ≥ 0 and m = −most, …, most, as flint's complex balls. Modes below
-    ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
+    ``rows[k]`` are the modes of the function F of the TorusSeries for k ≥ 0 and m = −most, …, most, in flint's balls.
+    Modes below ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
     def __init__(
