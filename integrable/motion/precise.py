@@ -177,7 +177,7 @@ class ManyDigits:
         return [self.carrier.vectors(point) for point in points]
 
     def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
-        """The result of ``compute``, repeated with more digits as long as it lacks any.
+        """The result of ``compute``, which is called with more and more digits until none is missing.
 
         ``compute`` is given the carrier and ``times`` in its units. ``compute`` returns the result and the number of
         missing digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again,

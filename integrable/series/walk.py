@@ -557,7 +557,7 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
 
 
 def execute(code: int, room: Array) -> None:
-    """Computes the coefficients in memory, or their ratios, or advances the state by a step, by the ``code``."""
+    """Runs the ``code`` that computes the coefficients in memory or their ratios, or advances the state by a step."""
     _called(code, room)
 
 
