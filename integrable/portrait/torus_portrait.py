@@ -58,9 +58,7 @@ class TorusPortrait(Immutable):
 
 
 def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
-    """[signs, actions, [f₁], [f₂], …]: signs that make the actions of ovals positive, and actions and frequencies f_k
-    with these signs.
-    """
+    """[signs, actions, [f₁], …]: the signs make the actions of ovals positive; actions and frequencies have them."""
     actions, one = torus.actions, torus.one
     signs = [one for _ in torus.frequencies]
     for k, (oval, action) in enumerate(zip(torus.ovals, actions or (), strict=False)):
