@@ -272,7 +272,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # bisection if convergence is slow: with the cubic alone the steps may alternate between both sides forever
+            # steps by the cubic alone may alternate between both sides forever; bisection ends slow convergence
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
             # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` times the mean
