@@ -51,7 +51,7 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
 
 
 def chord(C: Any, first: Row, second: Row) -> Four:
-    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'; r is the resultant of U and U'."""
+    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'; r is the resultant of U' and U."""
     (a2, a1, a0, b2, b1, b0), (c2, c1, c0, d2, d1, d0) = first, second
     return quotient_by((a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), (c2, c1, c0))
 
