@@ -97,7 +97,7 @@ class AxialFlow(MumfordFlow):
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 
         def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
-            """(z, z', g, g') for C = 1, at points of the torus; ``turned`` is the angle δ there."""
+            """(z, z', g, g'): the axis' height z, its horizontal part g for C = 1 and δ = ``turned``, and rates."""
             u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z

@@ -122,7 +122,7 @@ class TodaLattice(MumfordSystem):
         return {"trace": self._trace(N, state), "H": energy}
 
     def _trace(self, N: FormulaField, state: Point) -> poly.Poly:
-        """Δ = A + D."""
+        """The trace Δ = A + D of the matrix of :meth:`_transfer`."""
         (a, _), (_, d) = self._transfer(N, state)
         return poly.add(N, a, d)
 

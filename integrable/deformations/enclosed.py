@@ -205,7 +205,7 @@ class _March:
         return max(float(self._momentum), (pull * now / turning) ** 0.5 if turning else 0.0)
 
     def _disc(self, radius: float) -> tuple[float, list[arb]]:
-        """(radius, reach) of a disc of complex times on which the motion exists by Picard's theorem."""
+        """(radius, reach): for complex times up to ``radius`` the motion exists and moves by at most ``reach``."""
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]

@@ -139,7 +139,7 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion for exact inputs, to ``digits`` digits, even if ``digits`` + ``most_lost`` are lost."""
+    """The states for exact inputs, to ``digits`` digits; the motion may lose ``digits`` + ``most_lost`` digits."""
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""
@@ -156,7 +156,7 @@ class ManyDigits:
         self._too_far: Real = inf
 
     def carrier_of(self, digits: int) -> Carrier:
-        """A carrier of the motion with ``digits`` digits."""
+        """A :class:`Carrier` of the motion whose results have ``digits`` digits."""
         raise NotImplementedError
 
     def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:
@@ -177,7 +177,7 @@ class ManyDigits:
         return [self.carrier.vectors(point) for point in points]
 
     def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
-        """The result of ``compute``, repeated with more digits as long as it lacks any.
+        """The result of ``compute``, which is called with more and more digits until none is missing.
 
         ``compute`` is given the carrier and ``times`` in its units. ``compute`` returns the result and the number of
         missing digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again,

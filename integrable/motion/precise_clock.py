@@ -240,7 +240,7 @@ class PanelClock(RatePanels):
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
-        """Raises PrecisionLoss if a clock of ``cells`` cells exceeds its limit by more than the factor ``uneven``."""
+        """Raises PrecisionLoss if the work of a clock of this many ``cells`` exceeds ``uneven`` times its limit."""
         work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(

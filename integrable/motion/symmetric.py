@@ -93,8 +93,8 @@ class SymmetricFlow:
         quarter = complete(modulus, one, one, one, pi, near)
         self._first_kind = FirstKind(N, number(modulus), number(missing), number(quarter))
         self._flow_rate = swing.rate * gmpy2.sqrt(swing.r) / (4 * quarter)
-        # ``_advance`` is the part of φ due to F, in turns per turn of θ; ``_turning`` is the same per unit of t and of
-        # τ
+        # ``_advance`` is the advance of φ due to the elliptic integral F, in turns per turn of θ; ``_turning`` are its
+        # turns per unit of t and of τ
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
@@ -228,7 +228,7 @@ class SymmetricFlow:
         return s0 * c + c0 * s, c0 * c - s0 * s
 
     def _change_of_square(self, gap: np.ndarray) -> np.ndarray:
-        """cos²θ − cos²θ₀."""
+        """cos²θ − cos²θ₀ for θ = θ₀ + ``gap``."""
         s, c = self._angle_at(gap)
         s0, c0 = self._start_angle
         return -self.numbers.sin(gap) * (s0 * c + c0 * s)

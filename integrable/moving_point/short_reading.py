@@ -66,8 +66,8 @@ def gone_by(room: ShortRoom, request: Request, left: float, half: float, at: int
 
 
 def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, float]:
-    """Writes the coefficients of 1/g and of its integral from −1. Returns the integral over the panel as the sum of two
-    floats.
+    """Writes the Chebyshev coefficients of 1/g and of its integral from the panel's left end. Returns the integral over
+    the panel as the sum of two floats.
     """
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
     # 1/g is expanded after one of its values is subtracted: otherwise rounding errors of the matrix would cause the

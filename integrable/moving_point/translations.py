@@ -75,8 +75,8 @@ class Translations:
         return all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in rows[:4])
 
     def _terms(self, radius: float, size: float) -> int:
-        """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
-        are in half steps.
+        """The number of terms that give all digits of T(eps) at |eps| = ``size``, by a series that converges up to
+        ``radius``. The unit of both is half a basic step.
         """
         return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 

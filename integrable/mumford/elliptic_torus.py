@@ -140,9 +140,9 @@ class EllipticOval:
 class CubicModel(NamedTuple):
     """A cubic with leading coefficient ``lead`` = ℓ > 0, and the start of a motion on it.
 
-    ``first``, ``swing`` and ``above`` are x₁, x₂ − x₁ and x₃ − x₂; ``place`` and ``height`` are x and y of the point;
-    ``pace`` is dx/y per unit time. ``side`` is −1 if the sign of x was reversed. ``pole`` is the root that was moved to
-    infinity.
+    ``first``, ``swing`` and ``above`` are x₁, x₂ − x₁ and x₃ − x₂ for the roots x₁ ≤ x₂ ≤ x₃. ``place`` and ``height``
+    are x and y of the point; ``pace`` is dx/y per unit time. ``side`` is −1 if the sign of x was reversed. ``pole`` is
+    the root that was moved to infinity.
     """
 
     lead: Real

@@ -67,7 +67,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # the last ``further`` that :meth:`at` was given, and D at τ = 0 and these times: many calls differ only in τ
+        # the times ``further`` of the last call of :meth:`at`, and D at them and τ = 0: many calls differ only in τ
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     def translations(self, which: int = 0) -> GroupTranslations:
@@ -272,7 +272,7 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # bisection if convergence is slow: with the cubic alone the steps may alternate between both sides forever
+            # steps by the cubic alone may alternate between both sides forever; bisection ends slow convergence
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
             # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` times the mean

@@ -58,7 +58,6 @@ class QuadricSystem(MumfordSystem):
         return Point(state.q[self.before :], state.p[self.before :])
 
     def _pull(self, N: FormulaField, state: Point) -> list[Real]:
-        """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
         return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
 

@@ -67,7 +67,7 @@ class GroupTranslations:
         self._unseen = FRACTION
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
-        """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
+        """The abscissas and ordinates of the points of E, then P₀; points of a motion on real ovals stay away."""
         return reference(self.group)
 
     def carried(self, D: Extended, tau: Real) -> Extended:

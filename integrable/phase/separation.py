@@ -57,7 +57,7 @@ def of_mumford(body: Body, u: poly.Poly, v: poly.Poly) -> Separated:
 
 
 def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Real], Real]) -> Separated:
-    """The roots u_k of ``u`` with the momenta v(u_k)/φ(u_k); errors as in :func:`to_separated`."""
+    """The roots u_k of ``u`` with the momenta v(u_k)/φ(u_k); raises what :func:`to_separated` raises."""
     first, second = _roots(K, u)
     p = []
     for x in (first, second):

@@ -40,7 +40,8 @@ class ChaplyginTransformation:
     def of(body: Body, gamma: Vector, M: Vector) -> ChaplyginTransformation:
         """The transformation at the integrals of (γ, M), |γ| = 1.
 
-        Raises NotRepresentable at M ∥ γ (M = 0 included), NotASquare where k, s or p is not in the field.
+        Raises NotRepresentable at M ∥ γ (M = 0 included), NotASquare where k, s or p of the module's
+        formulas is not in the field.
         """
         K = body.field
         integrals, square = body.integrals(gamma, M), leaning(K, gamma, M)

@@ -102,7 +102,7 @@ class Diagram(Record):
         return X, self.height(X, zeta), np.array(numbers).reshape(X.shape)
 
     def figure(self, *states: State) -> Figure:
-        """A picture: contours of the rotation number, the lines of rotations, and the points of some states."""
+        """A picture: contours of the rotation number, a line for the rotations about each axis, points of states."""
         from integrable.portrait.pictures import diagram
 
         return diagram(self, states)

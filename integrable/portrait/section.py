@@ -7,8 +7,8 @@ in τ rather than t, time means τ here.
 
 For a body let u1, u2, the sorted a_i, ζ and the integrals A1 and B1 be as in :mod:`integrable.portrait.ovals`; tildes
 refer to the upright body. The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the
-component along the axis of the least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally,
-once per turn of u1 or of u2.
+component along the axis of the least moment vanishes where u2 = a₃. These surfaces are the first and the
+second section. Every motion crosses them transversally, once per turn of u1 or of u2.
 
 From one crossing of the first section to the next the phase of u2 turns by −A1/B1; from one crossing of the second to
 the next the phase of u1 turns by B1/A1. On the first section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each

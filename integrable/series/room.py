@@ -96,7 +96,7 @@ class Room:
         return self.high(n, self.orders.order + 1 + k) if n < self.count else self._highs[n] + 1
 
     def has(self, n: int, k: int) -> bool:
-        """Whether coefficient k of node n is stored by itself."""
+        """Whether coefficient k of node n has a position of its own (:meth:`high`)."""
         return n < self.count or (k == 0 and n in self._highs)
 
     def chunks(self, count: int) -> list[tuple[int, int]]:

@@ -520,7 +520,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
                 marks[row] = WRONG
                 wrong += 1
             worst = widest if not widest <= worst else worst
-            # the difference grows at least linearly in time, so it is at least ``widest``·last/way in the last row
+            # the walks' difference grows at least linearly in time: in the last row it is at least ``widest``·last/way
             way = abs(times[row])
             if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
                 first = rows if lost == 0 else first
@@ -559,7 +559,7 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
 
 
 def execute(code: int, room: Array) -> None:
-    """Computes the coefficients in memory, or their ratios, or advances the state by a step, by the ``code``."""
+    """Runs the ``code`` that computes the coefficients in memory or their ratios, or advances the state by a step."""
     _called(code, room)
 
 

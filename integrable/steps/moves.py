@@ -136,7 +136,7 @@ class Keyless(Move):
         return f"<keyless map on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image of an upright state. NotASquare if |M|, a √(1 − d·a_i) or g̃ is not in the field."""
+        """The image of an upright state. NotASquare if |M|, g̃, or √(1 − d·a_i) for an i, is not in the field."""
         body, K = self.system.body, self.system.field
         _, M = state.vectors
         h2 = K.dot(M, M)

@@ -175,7 +175,7 @@ class Translation(Move):
         return group, self._last[5]
 
     def _class(self, h1: Real, h2: Real) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
-        """The group of the curve of (h1, h2), and (u, v) of D' before it is multiplied; cached as in :meth:`_move`."""
+        """The group of the curve of (h1, h2), and (u, v) of D' = Σ (x_k, y_k) − points at infinity; cached."""
         if not self._is_last(h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))

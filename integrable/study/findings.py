@@ -83,7 +83,7 @@ class Standing:
 
     @property
     def least(self) -> float | None:
-        """A lower bound of the ratio of run times, where no other method was accurate enough and some were stopped."""
+        """The longest run time that a method exceeded, divided by the flow's; None if none did, or one was accurate."""
         slower = [told["slower"] for told in self.tried.values() if "slower" in told]
         return float(max(slower) / self.flow["total"]) if self.peer is None and slower else None
 

@@ -33,8 +33,8 @@ ROUGH = 1e-4
 # a mode is loud, and is summed in double-doubles, if its amplitude in τ is LOUD·(least dt/dτ)/(mean dt/dτ) or more;
 # floats would lose digits of τ in it. Amplitudes are in units of the time in which the body turns by about a radian
 LOUD = 0.05
-# the error of a spectrum is at most SLOW times the frequency of a phase, by which slow modes are divided, or EXTENDED
-# if that is more. Modes below ROUNDING times the largest, which rounding may have made, are left out
+# slow modes are divided by their frequency. So the error of a spectrum is at most SLOW times the frequency of a phase,
+# or EXTENDED if that is more. Modes below ROUNDING times the largest, which rounding may have made, are left out
 SLOW = 1e-13
 EXTENDED, ROUNDING = 2.0**-58, 2.0**-90
 # a mode is dropped only if it moves τ by less than this fraction of the time in which the body turns by a radian: a

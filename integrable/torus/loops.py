@@ -49,7 +49,7 @@ class ReadableLoops:
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
         self.reals = setup.reals
         bits = self.reals.bits
-        # the iterations for periods converge quadratically. They end when an oval, or a difference of means, is shorter
+        # iterations for periods converge quadratically and end when an oval or a difference of means is below ``short``
         self.short = float(setup.wide.eps) ** 0.5 / 16
         # the size of rounding errors in 1/g, at which its Fourier series ends
         self.noise = 10.0**-digits

@@ -45,7 +45,7 @@ class Part(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of an oval: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y, and (∫dx/y, ∫x dx/y)."""
+    """A point of an oval [a, b]: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y; (∫dx/y, ∫x dx/y) from a to u."""
 
     u: arb
     below: arb

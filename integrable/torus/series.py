@@ -139,8 +139,8 @@ class LongSeries:
     """The function S of a :class:`TorusSeries` in many digits, at many points at once; ``rough`` is the series in
     floats.
 
-    ``rows[k]`` are the modes of its F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
-    ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
+    ``rows[k]`` are the modes of the function F of the TorusSeries for k ≥ 0 and m = −most, …, most, in flint's balls.
+    Modes below ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
     def __init__(
@@ -295,7 +295,7 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
 
 
 def needed_size(modes: np.ndarray, noise: float) -> int:
-    """One of the :func:`needed_sizes`; ``modes`` are the largest mode of each row, relative to the largest of all."""
+    """An entry of :func:`needed_sizes`; ``modes``: the largest mode of each row or column, relative to the largest."""
     half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     return size_wanted(folded.tolist(), len(modes), noise)

@@ -21,8 +21,8 @@ from integrable.phase.coordinates import gamma_and_w
 from integrable.torus.lifts import Limits, Torus, met
 from jacobian.numbers.roots import root
 
-# positions in the row that :func:`torus_periods` fills: two periods, the turns of both phases per unit of the flow's
-# time, the shape of the theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
+# positions in the row of FOUND numbers that :func:`torus_periods` fills: two periods (four numbers), the turns of both
+# phases per unit of τ, the shape of the theta functions (Y and the turns of both phases along (0, 1)), the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 # the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃, e₄, the fifth branch point and infinity, in the basis a₁, a₂ − a₁,
 # where a₁ and a₂ are the ovals
@@ -53,7 +53,7 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
         out[1] = rest + middle * out[0]
         out[2], out[3] = 0 * k, 0 * k
         return
-    # c is no farther from the second branch point than the fourth is
+    # ``after`` is e₂ − c: half the first oval, or e₄ − e₂ if that is less
     after = (e2 - e1) / 2
     if float(e4 - e2) < float(after):
         after = e4 - e2

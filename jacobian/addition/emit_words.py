@@ -188,7 +188,7 @@ def _dot_size(factors: list[Size]) -> Size | None:
 
 @cache
 def texts(model: type) -> dict[str, str]:
-    """The code of every step for one class of short equations, by the name of the step."""
+    """The code of every step for a class of equations of :mod:`jacobian.addition.short`, by the name of the step."""
     formulas, known = MODELS[model]
     g = formulas.genus
     places = [*reversed(range(g)), *reversed(range(g, 2 * g))]

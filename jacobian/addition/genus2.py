@@ -75,13 +75,13 @@ def tangent_of_degree_5(C: Any, first: Line) -> Quotient:
 
 
 def product_of_degree_5(C: Any, quotient: Quotient) -> Any:
-    """r·(r·s₁), the number that a sum inverts."""
+    """r·(r·s₁) for the ``quotient`` (r, r·s₁, r·s₀): the number that a sum inverts."""
     r, s1, _ = quotient
     return r * s1
 
 
 def cubic_of_degree_5(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the quotient's factor r, from the inverse of :func:`product_of_degree_5`."""
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²) from (r, r·s₁, r·s₀) = ``quotient`` and the inverse of :func:`product_of_degree_5`."""
     r, s1, s0 = quotient
     shrink = r * inverse
     w4 = r * shrink
@@ -98,7 +98,7 @@ def sum_u_of_degree_5(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
 
 
 def sum_v_of_degree_5(C: Any, cubic: Line, u: Pair, first: Line) -> Pair:
-    """(v₁, v₀) of the sum's v = −ℓ − h modulo u."""
+    """(v₁, v₀) of the sum's v = −ℓ − h modulo u, with the cubic ℓ = V + U·(s₁x + s₀)."""
     (lead, s, _, _), (e1, e0), (a1, a0, b1, b0) = cubic, u, first
     w = s + a1 - e1
     v1 = C.h2 * e1 - C.h1 - b1 - lead * (s * a1 - e1 * w + (a0 - e0))
@@ -152,7 +152,7 @@ def sum_u_of_degree_6(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
 
 
 def sum_v_of_degree_6(C: Any, cubic: Line, u: Pair, first: Line) -> Pair:
-    """(v₁, v₀) of the sum's v = −ℓ − h modulo u."""
+    """(v₁, v₀) of the sum's v = −ℓ − h modulo u, with the cubic ℓ = V + U·(s₁x + s₀)."""
     (s1, s0, _, high), (e1, e0), (a1, a0, b1, b0) = cubic, u, first
     q = s0 + high + C.h2 - e1 * (s1 + C.h3)
     v1 = (e0 - a0) * s1 + C.h3 * e0 + e1 * q - a1 * s0 - b1 - C.h1

@@ -51,7 +51,7 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
 
 
 def chord(C: Any, first: Row, second: Row) -> Four:
-    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'."""
+    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'; r is the resultant of U' and U."""
     (a2, a1, a0, b2, b1, b0), (c2, c1, c0, d2, d1, d0) = first, second
     return quotient_by((a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), (c2, c1, c0))
 
@@ -108,7 +108,7 @@ def next_u(C: Any, bent: Four, first: Row, second: Row) -> Four:
 
 
 def next_v(C: Any, bent: Four, meeting: Four, first: Row, second: Row) -> Four:
-    """(k₃, k₂, k₁, k₀), the coefficients of −v' = ℓ modulo u'."""
+    """(k₃, k₂, k₁, k₀), the coefficients of −v', which is the quintic ℓ = V + U·s modulo u'."""
     (lead, t1, _, _), (e3, e2, e1, e0), (_, _, _, b2, b1, b0) = bent, meeting, first
     l3, l2, l1, l0 = without_v(bent, first)
     # ``g`` is the leading coefficient of (ℓ − V)/s₂ − x·u'
@@ -152,7 +152,7 @@ def sum_u_of_degree_8(C: Any, meeting: Four, curve: Four) -> Triple:
 
 
 def sum_v_of_degree_8(C: Any, u: Triple, curve: Four) -> Triple:
-    """(v₂, v₁, v₀) of the sum's v, the quartic modulo u."""
+    """(v₂, v₁, v₀) of the sum's v, which is the quartic ``curve`` modulo u."""
     (u2, u1, u0), (w3, w2, w1, w0) = u, curve
     g = w3 - C.c * u2
     return w2 - C.c * u1 - g * u2, w1 - C.c * u0 - g * u1, w0 - g * u0

@@ -69,9 +69,9 @@ class Tree(NamedTuple):
 def trees(
     f: Sequence[int], primes: Sequence[int], blocks: list[Block], window: list[Any] | None = None
 ) -> Iterator[Tree]:
-    """Yields the results of all trees. ``blocks`` have one size, a multiple of STEPS.
+    """Yields a :class:`Tree` for every TREE of the ``blocks``, which have one size, a multiple of STEPS.
 
-    The first block begins at 0, or at the beginning of a later tree; then the ``window`` there is given.
+    If the first block does not begin at 0, a tree must begin there, and ``window`` is the window at that integer.
     """
     d = len(f) - 1
     size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0

@@ -130,8 +130,8 @@ class Room(NamedTuple):
 
 
 def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
-    """Walks to k = ends[n] for each n in turn. At each end it writes the last coefficients to ``out`` and the product
-    of all k to ``total``, for the LANES primes of which prime n is one. ``shape`` = (start, d, count, translates).
+    """Computes c_k up to k = ends[n] for each n in turn. There it writes the last ``count`` c_k to ``out`` and Π k from
+    start + 1 on to ``total``, for the LANES primes of which prime n is one. ``shape`` = (start, d, count, translates).
     """
     start, d, count, translates = shape
     states, groups = room.states, len(group.primes)

@@ -56,7 +56,7 @@ class Candidates:
     modulus: int
 
     def interval(self, r: tuple[int, ...]) -> tuple[int, int]:
-        """Bounds of the next r_k after r, from r_1²/g ≤ Σ x_i² ≤ 4gq for the roots x_i and Maclaurin's inequality."""
+        """Bounds of the r_k after r, from r_1²/g ≤ Σ x_i² ≤ 4gq for the roots x_i of R and Maclaurin's inequality."""
         k, g = len(r), self.genus
         if k == 1:
             bound = isqrt(4 * g * g * self.q)
@@ -159,7 +159,7 @@ class Side:
             self.divisor = lcm(self.divisor, self.exponent)
 
     def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
-        """The R whose orders annihilate D, or None if there are more than _FEW."""
+        """The candidates R whose orders annihilate D, or None if there are more than _FEW."""
         found = list(islice(self._annihilating(D, candidates), _FEW + 1))
         return found if len(found) <= _FEW else None
 

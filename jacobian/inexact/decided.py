@@ -43,7 +43,7 @@ Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Total, Any]]
 
 
 class Question(NamedTuple):
-    """A number that a pass compared with zero.
+    """A number that a :class:`Pass` compared with zero.
 
     ``of_degree``: whether the answer decides a degree; otherwise it decides whether points are opposite.
     """

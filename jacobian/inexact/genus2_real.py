@@ -200,7 +200,7 @@ def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, nois
     e4 = f2 - c1 * c1 - b1 * e3 - b0 * e2
     d1 = f1 - 2 * c0 * c1 - b1 * e4 - b0 * e3
     d0 = f0 - c0 * c0 - b0 * e4
-    # with d = f − V''² mod U'' a step by t leaves d − t·J, J = 2·V''·(lean + x) mod U''
+    # if t·(lean + x) is added to V'', d = f − V''² mod U'' becomes about d − t·J, J = 2·V''·(lean + x) mod U''
     top = 2 * c1
     j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
     step = (j0 * d0 + j1 * d1) / (j0 * j0 + j1 * j1 + doubt)

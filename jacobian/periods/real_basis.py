@@ -89,7 +89,7 @@ def ratio(cycles: Sequence[Vector]) -> Matrix:
 
 
 def coordinates(cycles: Sequence[Vector], tau: Matrix, vectors: Sequence[Vector]) -> list[tuple[Any, Any, Any, Any]]:
-    """The real coordinates (p₁, p₂, q₁, q₂) of each vector w, w = Ap + Bq; ``tau`` is A⁻¹B."""
+    """The real (p₁, p₂, q₁, q₂) with Ap + Bq = w for each vector w; ``cycles``: columns of A and B, ``tau``: A⁻¹B."""
     (t11, t12), (_, t22) = tau
     area = t11.imag * t22.imag - t12.imag**2
     found = []
