@@ -1,10 +1,10 @@
 """The flow of the tilde pair at d = 0 with repelling poles Σb_i(a_j + a_k − 2s)/γ_i², b_i > 0, on two elliptic curves.
 
-Let h1 = m1 + Σb_i(a_j + a_k − s)/γ_i², h2 = m2 + Σb_i/γ_i² and φ = −4Π(a_i − x). The state is a divisor (U, V) of y² =
-f(x) = φ(x)(h1 − xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The roots ũ_k of (f − V²)/U are variables of
-separation. The λ_k = h1 − ũ_kh2 are constant, H = λ1 + λ2 and K = −λ1λ2. The derivatives are ũ_k' = −V(ũ_k), and ũ_k'²
-= φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic in ũ_k. So Z = λ_kũ_k + const moves on Y² = 4Z³ − g2Z − g3
-(:class:`integrable.mumford.elliptic_torus.EllipticOval`).
+Let s = (γ, Aγ), h1 = (M, AM) + Σb_i(a_j + a_k − s)/γ_i², h2 = (M, M) + Σb_i/γ_i² and φ = −4Π(a_i − x). The state is a
+divisor (U, V) of y² = f(x) = φ(x)(h1 − xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The roots ũ_k of (f −
+V²)/U are variables of separation. The λ_k = h1 − ũ_kh2 are constant, H = λ1 + λ2 and K = −λ1λ2. The derivatives are
+ũ_k' = −V(ũ_k), and ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic in ũ_k. So Z = λ_kũ_k + const moves on Y²
+= 4Z³ − g2Z − g3 (:class:`integrable.mumford.elliptic_torus.EllipticOval`).
 
 γ_i = 0 would imply V(a_i)² = −4b_ic_i² < 0, so no γ_i changes sign. The ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k)
 with E_i² = (b_i/γ_i² + w_i²)/h2 > 0 and w = γ × M. They lie on opposite sides of the middle a_i, so the ovals never

@@ -176,8 +176,8 @@ def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real,
     w0, w1, w2 = bracket_of_quadratics(a0, a1, one, b0, b1, one)
     # Δ is the determinant of the coefficients of P, Q and R, expanded by those of R
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-    # the discriminants are resultants, that is products of differences of the ends, so no other close numbers are
-    # subtracted
+    # the discriminants of U, V and W are products of differences of the ends of ovals (resultants of P, Q and R), so no
+    # other close numbers are subtracted
     spread = root((q1 - p1) * (q2 - p1) * gap * (q2 - p2))
     x1, x2 = roots_between(w0, w1, w2, spread)
     gap = 2 * spread / abs(w2)

@@ -45,8 +45,8 @@ from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
-# double-doubles
+# the initial relative distance of the shadow (:mod:`integrable.moving_point.short`) from the motion; it exceeds the
+# error of several additions in double-doubles
 OFF_BY = 2.0**-99
 # :func:`levelled` turns ν. Where the squared derivative of f − V² − UW with respect to the turn is this fraction of its
 # upper bound, the damped turn is half the required one
@@ -202,8 +202,8 @@ def no_level(wide: Row, i: int) -> bool:
 
 
 def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
-    """Computes the first centre of the motion and of its shadow, or those of the next :data:`AHEAD` panels, and the
-    data of :func:`seen` at each.
+    """Computes the moving points of the motion and of its shadow at the centre of the first panel if ``first``, else of
+    the next :data:`AHEAD` panels, and the data of :func:`seen` at each.
     """
     if first:
         for j in abreast(0, 2):

@@ -173,7 +173,7 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
 
 
 def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
-    """The vectors γ + kM and M − dkH1γ along a run, shapes (N, 3): γ̃ and M̃ up to factors."""
+    """γ + kM and M − dkH1γ along a run, shapes (N, 3): the γ̃ and M̃ of Chaplygin's transformation up to factors."""
     change = flow.setup.tilt
     if change is None:
         return run.gamma, run.M

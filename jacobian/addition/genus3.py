@@ -118,7 +118,7 @@ def next_v(C: Any, bent: Four, meeting: Four, first: Row, second: Row) -> Four:
 
 
 def sum_u(C: Any, meeting: Four, middle: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u = (f − v'²)/u'."""
+    """(u₂, u₁, u₀) of the sum's u = (f − v'²)/u', from the coefficients of u' (``meeting``) and of −v' (``middle``)."""
     (e3, e2, e1, _), (k3, k2, k1, _) = meeting, middle
     twice = k3 + k3
     u2 = C.f6 - e3 - k3 * k3

@@ -101,7 +101,7 @@ def divisor(C: Any, S: Any, at: Any, j: Any) -> Any:
 
 
 def close(K: Any, C: Any, S: Any, second: Any) -> None:
-    """Computes the second halves of a block's sums. The second summand begins at the offset ``second``."""
+    """Computes the steps of a block's sums after the inversion. The second summands begin at the offset ``second``."""
     if C.genus == 2:
         close_lines(K, C, S, second)
     else:

@@ -225,7 +225,7 @@ def _kind(D: Divisor) -> int:
 
 
 def _result(operation: Callable[..., Divisor], *operands: Divisor) -> tuple[list[Any], int]:
-    """The column and the kind of the result of an operation of the Jacobian."""
+    """The :func:`_column` and the :func:`_kind` of the result of an operation; LOST or AT_INFINITY if it has none."""
     try:
         found = operation(*operands)
     except PrecisionLoss:

@@ -134,7 +134,7 @@ def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Rng | None) -> Any:
-    """The value of a pairing with the first random shifts of degree g that cause no collision."""
+    """The value of a pairing with the first random shifts of degree g for which no :class:`_Collision` is raised."""
     rng = Random(0) if rng is None else rng
     J = move.curve.jacobian()
     for _ in range(ATTEMPTS):

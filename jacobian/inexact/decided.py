@@ -161,7 +161,7 @@ class Passes:
 
 
 class Compared(NamedTuple):
-    """Three passes with the same answers, from different summands.
+    """Three passes that compute one sum and count the same quantities as zero, from different summands.
 
     ``first``: the summands themselves; ``near``: the summands moved in the last working bits; ``rounded``: the summands
     moved as far as the field's rounding moves a sum.

@@ -54,7 +54,7 @@ def object_of(text: str, as_written: bool = False) -> bytes:
 
 
 class Entry:
-    """A function of an object, called without Python's lock; ``engine`` keeps the object in memory."""
+    """A function in machine code that ``engine`` keeps in memory, called without Python's lock."""
 
     def __init__(self, engine: Any, name: str) -> None:
         self._engine = engine
