@@ -158,7 +158,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
 
 
 def body_section(flow: Any, count: int, axis: str) -> BodySection:
-    """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
+    """The next ``count`` states with γ̃_i = 0 (:func:`tilde`), i the axis of the "largest" or the "least" moment.
 
     NotRepresentable if the motion is not on a torus of dimension two.
     """

@@ -225,7 +225,6 @@ def _kind(D: Divisor) -> int:
 
 
 def _result(operation: Callable[..., Divisor], *operands: Divisor) -> tuple[list[Any], int]:
-    """The :func:`_column` and the :func:`_kind` of the result of an operation; LOST or AT_INFINITY if it has none."""
     try:
         found = operation(*operands)
     except PrecisionLoss:

@@ -30,7 +30,7 @@ def features() -> str:
 
 @cache
 def name() -> str:
-    """The key of this machine for stored objects: LLVM's version, the processor and its features."""
+    """The key under which machine code is stored here: LLVM's version, the processor and its features."""
     version = ".".join(map(str, llvm.llvm_version_info))
     return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features()}"
 
