@@ -41,7 +41,7 @@ class PoleFrame(NamedTuple):
 
 class CubicCarrier(CurvesCarrier):
     """The motion of a tilde pair with repelling poles, on two cubics over the field of ``system``. The heights z on
-    the curves are the ũ_k.
+    the curves are the ũ_k of the module's docstring.
     """
 
     def __init__(self, system: Any, state: State) -> None:
@@ -81,7 +81,7 @@ class CubicCarrier(CurvesCarrier):
         y1, y2 = (2 * r[0] * r[1] * r[2] / (value * gap) for r, value in ((first, one), (second, two)))
         gamma, w = [], []
         for a, b, c, sign in zip(system.a, system.potential.poles, system.body.differences, frame.signs, strict=True):
-            # the product of a − u1 and a − u2 is cE²
+            # (a_i − u1)(a_i − u2) is c_iE_i², with the E_i of the module's docstring
             over, under = a - u1, a - u2
             v = y1 * under - y2 * over
             x = sign * N.sqrt((4 * b * c * c + v * v) / (4 * h2 * c * over * under))

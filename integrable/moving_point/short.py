@@ -65,8 +65,8 @@ CAREFUL = 10
 # moving point at a centre is one addition from an earlier one, which loses most digits near a cluster of branch points.
 # Later points are computed from this one, so that no jump between panels shows the error
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if Chaplygin's
-# transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
+# short runs leave a motion to the torus if the largest moment I exceeds the least by less than (I + d)/CLOSEST, or if
+# Chaplygin's transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
 CLOSEST, STEEPEST = 4e4, 25.0
 # the largest permitted distance of the shadow, which starts at OFF_BY (:mod:`integrable.moving_point.short_steps`)
 APART = 2.0**-45

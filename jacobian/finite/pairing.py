@@ -194,7 +194,7 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
 
 
 def _step(law: FlintCantor, composed: Any, places: Any, values: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
-    """The composed divisor after its reduction, and ``values`` multiplied by the functions of this step.
+    """The composed divisor, reduced, and ``values`` multiplied by the functions of this step of Miller's loop.
 
     ``values`` are pairs (numerator, denominator), one for each of the ``places`` (u, v), modulo u and with y = v.
     """

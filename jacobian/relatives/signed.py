@@ -123,7 +123,7 @@ class SignedGroup(Immutable):
     def double(self, D: SignedDivisor) -> SignedDivisor:
         """D + D with κ = 1 (−1 for weight one).
 
-        The sum by :meth:`add` has κ² (−κ² for weight one) in place of κ; the factor κ² is moved into σ and ν.
+        The sum by :meth:`add` has κ² (−κ²), with the κ of D. It becomes 1 (−1) as σ and ν are multiplied by κ (−κ).
         """
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
