@@ -61,9 +61,9 @@ TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, relative to a panel with nodes in floats
 CAREFUL = 10
-# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE that of H2 at the centres of panels. The
-# moving point at a centre is one addition from an earlier one, which loses most digits near a cluster of branch points.
-# Later points are computed from this one, so that no jump between panels shows the error
+# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE that of H2 at the centres of panels. Each
+# centre is computed from an earlier one by an addition, which loses most digits near a cluster of branch points. Later
+# centres have the same error, so that no jump between panels shows it
 INTEGRALS, CENTRE = 1e-9, 1e-19
 # short runs leave a motion to the torus if the largest moment I exceeds the least by less than (I + d)/CLOSEST, or if
 # Chaplygin's transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
