@@ -143,7 +143,7 @@ class Gaps(NamedTuple):
 
     @staticmethod
     def of(N: LongField, f: poly.Poly) -> Gaps:
-        """The gaps of a cubic with leading coefficient 2, f(±1) ≤ 0."""
+        """The gaps of a cubic f with leading coefficient 2 and f(±1) ≤ 0."""
         mean, slope = -f[2] / 6, f[1] / 2
         square, cube = mean * mean - slope / 3, mean**3 - mean * slope / 2 - f[0] / 4
         if not square > 0:

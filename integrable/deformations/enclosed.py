@@ -133,7 +133,7 @@ class _March:
         return found
 
     def left(self, end: Real) -> float:
-        """The quotient of ``end`` and the time reached, without sign."""
+        """|``end``| divided by the distance of the time reached from 0."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:

@@ -120,5 +120,4 @@ def _alpha(q: Scalars) -> Any:
 
 
 def _slope(q: Scalars) -> Any:
-    """S = e2/e3 − τ/σ."""
     return q.e2 / q.e3 - q.tau / q.sigma

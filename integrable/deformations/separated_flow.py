@@ -59,8 +59,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
     """(γ, M) of the tilde pair without potential, from the points on both curves, with axes in ascending order of the
     moments.
     """
-    # roots of a curve are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on the
-    # first curve
+    # the roots of curve k are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on
+    # the first curve
     p, q, (mu1, mu2) = first[2::-1], second[:3], frame.mu
     f1, f2 = 1 / (1 + frame.d * first[3]), 1 / (1 + frame.d * second[3])
     e = [w * x * y for w, x, y in zip(frame.weights, p, q, strict=True)]

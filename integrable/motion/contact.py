@@ -46,8 +46,8 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# the computed ẋ has rounding errors of about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis
-# they are larger than ẋ
+# (x, y) is the contact point. The rounding error of ẋ is about 8·eps·LEAST times an upper bound of |ẋ|; near a rotation
+# about a principal axis it is larger than |ẋ|
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
@@ -231,6 +231,6 @@ class PreciseContact:
         self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rolling.rates)
 
     def at(self, run: Trajectory) -> np.ndarray:
-        """The bounded part at the times of a run, shape (N, 2). For physical times τ is recomputed to all digits."""
+        """The bounded part of the path at a run's times, (N, 2). For physical times τ is recomputed to all digits."""
         tau = run.tau.tolist() if run.given_in_tau else self._flow._precise.many.at(run.times.tolist())[0]
         return self._integral.at([self._flow.setup.wide.coerce(t) for t in tau])

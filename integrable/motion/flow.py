@@ -216,7 +216,6 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
     @property
     def _compiled(self) -> bool:
-        """Whether the loops of the flow are compiled."""
         return self.kernel != "python" and not interpreted()
 
     @cached_property

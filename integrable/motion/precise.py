@@ -264,8 +264,8 @@ class ManyDigits:
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= carrier.witnessed:
             return missing
-        # next to a separatrix both computations may lose every digit and end in the same rotation, so the second has
-        # extra digits
+        # next to a separatrix a computation and its witness may both lose every digit and end in the same rotation, so
+        # the witness has extra digits
         wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
         if carrier.witness is None or carrier.witness.digits < wider:
             carrier.witness = self.carrier_of(wider)

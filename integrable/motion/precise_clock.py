@@ -200,7 +200,7 @@ class PanelClock(RatePanels):
         return next((cell for cell in range(first, first + LONG - 1) if self._end(cell) > t), first + LONG - 1)
 
     def _end(self, cell: int) -> Real:
-        """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
+        """t at the upper end of a cell. Cell −1 ends where cell 0 begins, at a negative time."""
         if not self._ends:
             self._ends.append(self._half * addition.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
         if cell > NEAR_CELLS:

@@ -73,7 +73,7 @@ class Swing(NamedTuple):
 
     @property
     def factors(self) -> tuple[Real, Real]:
-        """The factors of the elliptic integrals F and Π in −φ."""
+        """The factors of the elliptic integrals F and Π in −φ (:mod:`integrable.motion.symmetric`)."""
         first = self.kappa * self.ratio / gmpy2.sqrt(self.r * self.r3)
         return first, self.kappa * gmpy2.sqrt(self.r3 / self.r)
 

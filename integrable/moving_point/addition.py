@@ -66,7 +66,7 @@ def cofactor_at(f: Row, divisor: Row) -> Row:
 def settled_pair(
     divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real
 ) -> tuple[Real, Real]:
-    """The pair at the branch point a, corrected as in :func:`settled`; ``rest`` is W."""
+    """The pair at the branch point a, corrected as in :func:`settled`, whose W is ``rest``."""
     b0, b1, c0, c1 = divisor
     w0, w1, w2, w3 = rest
     return settle(sigma, nu, kappa, (a + b1) * a + b0, c1 * a + c0, ((w3 * a + w2) * a + w1) * a + w0, trust)

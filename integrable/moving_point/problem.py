@@ -87,8 +87,8 @@ class Problem(NamedTuple):
 
 def problem_row(given: Row, tilted: bool, out: Row) -> None:
     """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``; then
-    r_i = I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
-    matrix.
+    r_i = I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. The ``matrix`` is the identity for an
+    upright state.
     """
     d = given[3]
     a, (r, e), gamma, M, (k, s, p, rise), (h1, h2) = upright_motion(given, tilted)

@@ -61,12 +61,12 @@ TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, relative to a panel with nodes in floats
 CAREFUL = 10
-# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE the tolerance of H2 at centres. Near a
-# cluster of branch points an addition loses most digits of a centre. Later centres are computed from it, so that no
-# jump between panels shows the error
+# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE that of H2 at the centres of panels. Each
+# centre is computed from an earlier one by an addition, which loses most digits near a cluster of branch points. Later
+# centres have the same error, so that no jump between panels shows it
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if Chaplygin's
-# transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
+# short runs leave a motion to the torus if the largest moment I exceeds the least by less than (I + d)/CLOSEST, or if
+# Chaplygin's transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
 CLOSEST, STEEPEST = 4e4, 25.0
 # the largest permitted distance of the shadow, which starts at OFF_BY (:mod:`integrable.moving_point.short_steps`)
 APART = 2.0**-45
@@ -250,8 +250,9 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, if t(τ) is needed, of 1/g
-    divided by four times its mean; both times ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
+    """(the largest of the last coefficients, the largest of earlier ones), both multiplied by the ``lift`` of
+    :class:`~integrable.moving_point.short_rows.FloatMotion`. The series are those of γ, w = γ × M/|M| and, if t(τ) is
+    needed, 1/g divided by four times its mean.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):

@@ -200,8 +200,8 @@ def no_level(wide: Row, i: int) -> bool:
 
 
 def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
-    """Computes the first centre of the motion and of its shadow, or those of the next :data:`AHEAD` panels, and the
-    data of :func:`seen` at each.
+    """Computes the moving points of the motion and of its shadow at the centre of the first panel if ``first``, else of
+    the next :data:`AHEAD` panels, and the data of :func:`seen` at each.
     """
     if first:
         for j in abreast(0, 2):

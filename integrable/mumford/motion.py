@@ -71,7 +71,7 @@ class Placed:
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     def translations(self, which: int = 0) -> GroupTranslations:
-        """The translations along one direction."""
+        """The translations along direction number ``which``."""
         if which not in self._translations:
             self._translations[which] = self._kind(self.group, self._directions[which], self._ends)
         return self._translations[which]
@@ -86,7 +86,7 @@ class Placed:
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
 
     def at(self, tau: Real, further: tuple[Real, ...] = ()) -> Extended:
-        """D at τ and at the times ``further`` along the further directions."""
+        """D at the time τ along the first direction and the times ``further`` along the others."""
         if self.rests:
             return self._resting(tau)
         kept, D = self._carried

@@ -90,7 +90,7 @@ class MumfordSystem(Made):
             raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
         vars(self).update(field=field, constants=constants, size=len(constants))
 
-    # --- the table of a system
+    # --- the table of a system's formulas
 
     def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         """Defined by subclasses: the values, over N, that must be 0 at a state."""
@@ -174,7 +174,7 @@ class MumfordSystem(Made):
         """Defined by subclasses whose pairs have t among their data: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
-    # --- derived from the table
+    # --- derived from these formulas
 
     @property
     def numbers(self) -> Any:

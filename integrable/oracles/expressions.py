@@ -34,7 +34,7 @@ class Node(NamedTuple):
 
     @property
     def lines(self) -> tuple[int, ...]:
-        """The lines on which the operation acts; none for an input or a number."""
+        """The numbers of the lines on which the operation acts; () for an input or a number."""
         return () if self.op in ("y", "c", "number") else self.args
 
 

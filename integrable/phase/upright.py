@@ -98,7 +98,7 @@ class ChaplyginTransformation:
         return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
 
     def _slip(self, gamma: Vector, M: Vector) -> Real:
-        """The factor 1 − dkn, with n = (γ, ω)."""
+        """The factor 1 − dkn of :meth:`apply`, n = (γ, ω)."""
         K = self.body.field
         slip = K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
         if K.exact and slip == K.zero:

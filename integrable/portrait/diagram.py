@@ -33,7 +33,7 @@ MOST_COUNT = 300
 class Diagram(Record):
     """The energy–momentum diagram of a system over RR. Get one from ``system.diagram()``.
 
-    ``lines`` are the ends (X, Z) of the three lines of rotations, one for each axis of the body, shape (3, 2, 2).
+    ``lines`` has the ends, (X, Z) = ((γ, M)²/H2, H1/H2), of the line of rotations about each axis, shape (3, 2, 2).
     """
 
     def __init__(self, system: PhaseSpace) -> None:

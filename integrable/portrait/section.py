@@ -157,7 +157,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
 
 
 def body_section(flow: Any, count: int, axis: str) -> BodySection:
-    """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
+    """The next ``count`` states with γ̃_i = 0 (:func:`tilde`), i the axis of the "largest" or the "least" moment.
 
     NotRepresentable if the motion is not on a torus of dimension two.
     """
@@ -172,7 +172,7 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
 
 
 def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
-    """The vectors γ + kM and M − dkH1γ along a run, shapes (N, 3): γ̃ and M̃ up to factors."""
+    """γ + kM and M − dkH1γ along a run, shapes (N, 3): the γ̃ and M̃ of Chaplygin's transformation up to factors."""
     change = flow.setup.tilt
     if change is None:
         return run.gamma, run.M

@@ -104,7 +104,7 @@ class ClassicalMotion:
         """Does nothing: the method depends on the times, so its set-up is part of :meth:`at`."""
 
     def at(self, times: Numbers) -> ClassicalRun:
-        """The states at times."""
+        """The states at the given times."""
         found = self._flow.at(times)
         return ClassicalRun(found.times, found._rows, found.way)
 

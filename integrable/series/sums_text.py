@@ -338,7 +338,7 @@ class Sums:
         return text.write(f"shufflevector {kind} {x}, {kind} undef, <{lanes} x i32> <{places}>")
 
     def _fetched(self, text: Text, side: Side, k: int, part: int) -> str:
-        """Coefficients k of the factors on one side of a group, as one vector."""
+        """Coefficients of order k of a side's factors, as a vector: the high parts, or the low parts if ``part``."""
         key = side.place, k, part
         if key not in self._built:
             # coefficients of the current order are in registers, except those of order 0 of variables

@@ -191,7 +191,7 @@ class ConicStep(Move):
         return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
 
     def _condition(self, state: State) -> float:
-        """The amplification of rounding errors in c, relative to √H2."""
+        """The amplification of rounding errors in c = (y0 − V(x0))/U(x0), relative to |c| + √H2."""
         system, K = self.system, self.system.field
         if self.x0 is None or K.exact:
             return 1.0

@@ -221,7 +221,7 @@ class SceneFindings:
     def _beside(row: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         """A result of the flow for comparison with a row.
 
-        For a result in floats the run time is the one measured in turn with the comparator, if there is such a time.
+        Where the flow in floats was timed alternately with the row's method, its run time is that of this measurement.
         """
         in_turn = own["row"]["setting"] == "floats" and "flow" in row
         result: dict[str, Any] = own["result"]

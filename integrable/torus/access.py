@@ -37,7 +37,7 @@ from jacobian.periods.real_basis import Whole
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# from DENSE_FROM ascending times on, with at least DENSE per node of the panels, interpolation on panels is faster
+# at DENSE_FROM or more ascending times, if panels have at least DENSE times per node, interpolation on them is faster
 DENSE_FROM = 5000
 DENSE = 3
 # the states must satisfy the equations of motion up to RIGHT times the largest velocity

@@ -1,4 +1,4 @@
-"""The branch points and the start from which the torus of a motion is made, in units of its own."""
+"""The branch points and the start from which the torus of a motion is made, in the :class:`Units` of the motion."""
 
 from __future__ import annotations
 

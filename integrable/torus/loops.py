@@ -34,7 +34,7 @@ BEYOND = "periods beyond the range of floats; use more digits"
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 
 
-# for each interpreted loop the indices of arguments that are arrays of floats and only read; they are passed as lists
+# for each interpreted loop, which of its arguments are passed as lists: the arrays of floats that it only reads
 READ = {
     "phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "states_at_phases": (1,), "states_at_tau": (2,),
     "states_at_times": (2,), "times_at_tau": (1, 3),

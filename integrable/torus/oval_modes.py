@@ -297,7 +297,7 @@ class OvalTorus:
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), 1)
 
     def modes(self, upright: Table, leaning: Table | None, size: tuple[int, int]) -> Modes:
-        """The modes of 1/g, with phases from the start and in turns of the periods of 1/g."""
+        """The modes of 1/g from tables of its coefficients; phases count from the start, in turns of its periods."""
         acb, wide, balls = self.flint.acb, self._setup.wide, self._balls
         doubled = (1, 1) if leaning is None else ((2, 1) if self.low else (1, 2))
         one, other = (acb((2 * x / n).cos_pi(), (2 * x / n).sin_pi()) for x, n in zip(self.start, doubled, strict=True))

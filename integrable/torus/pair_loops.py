@@ -156,7 +156,7 @@ def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> 
 
 
 def curvature(sums: ThetaSums, phases: Row, one: Row, two: Row) -> Real:
-    """The second derivative of log θ_∞ along two directions, given as turns of both phases."""
+    """The second derivative of log θ_∞ (:mod:`integrable.torus.lifts`) along two directions, in turns of the phases."""
     k, (_, rows, columns) = sums.sizes[0] - 1, sums.sizes
     half, zero = sums.inverse[0] / 2, 0 * phases[0]
     value, d_one, d_two, bend = zero, zero, zero, zero

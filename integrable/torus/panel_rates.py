@@ -36,7 +36,7 @@ SAMPLES = range(0, 512, 61)
 
 
 def rates_after(f: Row, axes: Row, point: Row, steps: Row, out: Row) -> None:
-    """Writes 1/g at a point moved by each translation of ``steps``, ten numbers each."""
+    """Writes to ``out`` 1/g at the point moved by each of the translations in ``steps``, which are ten numbers each."""
     near = moving_point(point)
     for n in abreast(0, len(out)):
         out[n] = rate_after(f, axes, near, moving_point(steps, 10 * n))

@@ -45,7 +45,7 @@ class ThetaSums(NamedTuple):
 def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
     """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
     (c1, s1), rows, zero = first, sums.sizes[1], 0 * first[0]
-    # (a, b) is (cos, sin) of πaφ₁ for the rows a = ε₁, ε₁ + 2, …
+    # (a, b) is (cos, sin) of πnφ₁ for the rows n = ε₁, ε₁ + 2, …
     ca, sa = c1 * c1 - s1 * s1, 2 * c1 * s1
     a, b = 1 + zero, zero
     if sums.chars[4 * k] > 0:

@@ -143,7 +143,7 @@ def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes the class ``found``, a tuple of words of weight g (so that n = 0), to ``result``, an array as in
+    """Writes ``found``, the words of a class with deg u = g and n = 0, to ``result``, an array as in
     :mod:`jacobian.addition.cantor_words`.
     """
     place = g + 2

@@ -23,7 +23,7 @@ MOST = 4
 
 
 class Size(NamedTuple):
-    """Bounds of a number in units of p: on Wide and Lazy contexts (:mod:`jacobian.numbers.words`), and on floats."""
+    """Bounds of a number, in units of p, in Wide contexts, Lazy ones (:mod:`jacobian.numbers.words`) and floats."""
 
     wide: float
     lazy: float

@@ -95,7 +95,7 @@ def without_v(bent: Four, first: Row) -> Four:
 def next_u(C: Any, bent: Four, first: Row, second: Row) -> Four:
     """(e₃, e₂, e₁, e₀) of u' = x⁴ + e₃x³ + …, whose roots are the x of the quintic's four other points on the curve."""
     (_, t1, t0, w4), (a2, a1, _, b2, b1, _), (c2, c1, c0, _, _, _) = bent, first, second
-    # u' = (t·(t·U + 2w₄V) − w₄²·(f − V²)/U)/U' with t = s/s₂ = x² + t₁x + t₀ and w₄ = 1/s₂
+    # for the quintic V + U·s, with t = s/s₂ = x² + t₁x + t₀ and w₄ = 1/s₂: u' = (t(tU + 2w₄V) − w₄²(f − V²)/U)/U'
     l3, l2, l1, _ = without_v(bent, first)
     l4, twice, w5 = a2 + t1, w4 + w4, w4 * w4
     y2, y1 = l2 + twice * b2, l1 + twice * b1
@@ -118,7 +118,7 @@ def next_v(C: Any, bent: Four, meeting: Four, first: Row, second: Row) -> Four:
 
 
 def sum_u(C: Any, meeting: Four, middle: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u = (f − v'²)/u'."""
+    """(u₂, u₁, u₀) of the sum's u = (f − v'²)/u', from the coefficients of u' (``meeting``) and of −v' (``middle``)."""
     (e3, e2, e1, _), (k3, k2, k1, _) = meeting, middle
     twice = k3 + k3
     u2 = C.f6 - e3 - k3 * k3

@@ -70,7 +70,7 @@ def seen(found: Endomorphisms, L: LPolynomials | None = None) -> Seen:
     return result._replace(primes=len(polynomials), proven=only)
 
 
-# --- names
+# --- the names of algebras
 
 
 def algebra(basis: Sequence[Integers]) -> Algebra:

@@ -97,7 +97,7 @@ class Candidates:
         return total
 
     def matching(self, sides: tuple[Side, Side]) -> Iterator[list[int]]:
-        """Yields the R for which the known ``divisor`` of each side divides the order of that side."""
+        """Yields the candidates R such that on both sides the known ``divisor`` divides :meth:`Side.order`."""
         first, second = sorted(sides, key=lambda side: -side.divisor)
         for prefix in self.prefixes():
             constant, sign = first.constant(prefix, self.q)
@@ -147,7 +147,7 @@ class Side:
         return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
 
     def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:
-        """(a, s) such that the order of the candidate with this prefix is a + s·r_g."""
+        """(a, s) such that :meth:`order` is a + s·r_g for the coefficients ``prefix``, r_g of R."""
         return self.order([*prefix, 0], q), self.sign ** len(prefix)
 
     def learn(self, D: Divisor, candidates: Candidates) -> None:

@@ -142,7 +142,7 @@ class Passes:
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
         """The summands with every coefficient changed at random by about ``part`` of its size, moved onto the curve.
 
-        Sizes count as at least ``floor`` times those that they would be if all points were as large as the largest.
+        Each coefficient counts as at least ``floor`` times as large as if all points were as large as the largest.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]
@@ -161,7 +161,7 @@ class Passes:
 
 
 class Compared(NamedTuple):
-    """Three passes with the same answers, from different summands.
+    """Three passes that compute one sum and count the same quantities as zero, from different summands.
 
     ``first``: the summands themselves; ``near``: the summands moved in the last working bits; ``rounded``: the summands
     moved as far as the field's rounding moves a sum.

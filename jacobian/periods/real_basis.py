@@ -62,7 +62,9 @@ def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods
 
 
 def cycles_of(sides: Sequence[Vector], signs: Sequence[int]) -> list[Vector]:
-    """The cycles a₁, a₂, b₁, b₂ from the lifts of the polygon's sides; ``signs``: of y on the sides after the first."""
+    """The periods of a₁, a₂, b₁, b₂ from the integrals along four ``sides`` of the polygon in :func:`half_integrals`.
+    ``signs`` are those of y on the sides after the first.
+    """
     a, b, c, d = ((2 * s * x, 2 * s * y) for s, (x, y) in zip((1, *signs), sides, strict=True))
     return [a, (a[0] + c[0], a[1] + c[1]), b, d]
 

@@ -394,7 +394,7 @@ class SecondKind(NamedTuple):
         return group.field.add(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
+        """Ω after a reduction: Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
         K, g = group.field, group.genus
         if step.degree == g + 1:
             return K.sub(datum, K.div(poly.integer(K, 2), step.lead))
