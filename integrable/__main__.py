@@ -343,7 +343,6 @@ def _ask(out: Path) -> None:
 
 
 def _line(text: str) -> None:
-    """Prints a line on stdout, above the progress bar if there is one."""
     bar = sys.modules.get("tqdm")
     if bar is None:
         print(text, flush=True)

@@ -31,7 +31,7 @@ second.
 
 
 class _Standing:
-    """The state for interrupts: the name of the command, whether its work is ``over``, and the locks for printing."""
+    """What the handler of interrupts knows: the command's name, whether its work is ``over``, locks for printing."""
 
     name = ""
     over = False

@@ -270,7 +270,7 @@ def from_roots(K: Arithmetic[Element], roots: Iterable[Element]) -> Poly[Element
 
 
 def through(K: Arithmetic[Element], points: Sequence[tuple[Element, Element]]) -> tuple[Poly[Element], Poly[Element]]:
-    """(Π (x − x_k), the line through both points as two coefficients) for points (x_k, y_k) with x_1 ≠ x_2."""
+    """Π (x − x_k), and the coefficients of the line through both points, for two points (x_k, y_k) with x_1 ≠ x_2."""
     (x1, y1), (x2, y2) = points
     slope = K.div(K.sub(y1, y2), K.sub(x1, x2))
     return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), (K.sub(y1, K.mul(slope, x1)), slope)

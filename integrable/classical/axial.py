@@ -153,8 +153,8 @@ def state_of(axis: Vector, rate: Vector, top: Vector | None) -> Point:
 def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
     """The angular momentum of a top with this axis and its rate; ``top`` is that of :meth:`AxialSystem._top`.
 
-    M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²). The first times z² plus the second times 1 − z²
-    is a formula without divisions.
+    With axis = (Re g, Im g, z) and top = (jc, L, c), M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²).
+    The first times z² plus the second times 1 − z² is a formula without divisions.
     """
     (x, y, z), (dx, dy, dz), (turn, along, c) = axis, rate, top
     rest = along - c * z

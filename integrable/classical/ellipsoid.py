@@ -60,7 +60,7 @@ class Ellipsoid(SurfaceSystem):
         slope = N.dot(q, p)
         mixed = self._sums(N, [x * y for x, y in zip(q, p, strict=True)])
         v = tuple(x - slope * y for x, y in zip(mixed[:-1], u, strict=False))
-        # the sum is x times a polynomial, since its constant coefficient is 0 by the constraints
+        # by the constraints Π(x − a_i)·ΣF_i/(x − a_i) vanishes at x = 0; ``rest`` is this polynomial divided by x
         rest = self._sums(N, self._momenta(N, state))[1:]
         f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
         return all_of(N, (f, u, v), self.size - 1)

@@ -137,7 +137,7 @@ class KuzminKutuzov(MumfordSystem):
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:
-            # if L ≠ 0, R never vanishes, and its lift is a positive root
+            # if L ≠ 0, the star never meets the axis R = 0, and the lift σ at s = a is a positive root
             sigma = N.sqrt(-(self._side * poly.evaluate(N, D.u, a)))
             lifts.append((-self._side, sigma, -(self._side * poly.evaluate(N, D.v, a)) / sigma))
             spin = self._integrals(N, start)["L"] / (sigma * self._scales(N, D.u, a)[1])

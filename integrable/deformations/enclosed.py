@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
     from integrable.phase.enclosure import Row
 
-# step relative to the radius of the disc; close to e⁻², which needs the fewest products
+# a step relative to the radius of the disc of complex times where Picard's theorem bounds the motion; the fraction e⁻²
+# would need the fewest products
 STEP = 0.125
 MOST_STEPS = 4_000
 KNOWN_FROM = 16
@@ -132,7 +133,7 @@ class _March:
         return found
 
     def left(self, end: Real) -> float:
-        """The quotient of ``end`` and the time reached, without sign."""
+        """|``end``| divided by the distance of the time reached from 0."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:
@@ -204,7 +205,7 @@ class _March:
         return max(float(self._momentum), (pull * now / turning) ** 0.5 if turning else 0.0)
 
     def _disc(self, radius: float) -> tuple[float, list[arb]]:
-        """(radius, reach) of a disc of complex times on which the motion exists by Picard's theorem."""
+        """(radius, reach): for complex times up to ``radius`` the motion exists and moves by at most ``reach``."""
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]

@@ -127,8 +127,8 @@ class IntegratedStates(Integration):
         columns = [self._varied(times, inputs.numbers, k) for k, size in enumerate(inputs.sizes) if size]
         (_, first), *found = (np.split(rows, 2) for rows in np.stack(columns, axis=2))
         begin = np.array(self._system.vector_field(self._state).row)
-        # ``first``, the matrix at time 0, is the derivative of the projection onto the constraints. On
-        # tangent vectors it is the identity up to the error of the state's constraints; one step solves first·x = begin
+        # ``first``, the matrix at time 0, is the derivative of the projection onto the constraints. On tangent vectors
+        # it is the identity up to the error e of the state's constraints. The next line solves first·x = begin up to e²
         begin = begin + (begin - first[:, :6] @ begin)
         for time, (rows, matrix) in zip(given, found, strict=True):
             rates = np.array(self._system.vector_field(state_of_row(rows[:, 0].tolist())).row)

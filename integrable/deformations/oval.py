@@ -1,4 +1,4 @@
-"""Heights and rates on the two curves of a deformation; loops over bare reals are compiled for double-doubles.
+"""The heights z and the rate 1/g on the two curves of a deformation; loops are compiled for double-doubles.
 
 On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. R₁, R₂ and R₃ are the square
 roots of |Z − e_i| with the signs of :class:`integrable.mumford.elliptic_torus.EllipticOval`.
@@ -22,7 +22,9 @@ Row = Any
 
 
 def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
-    """The height z of the point with the square roots R₁, R₂ and R₃, computed from the smallest of them."""
+    """The height z of the point with the square roots ``r`` = (R₁, R₂, R₃), computed from the smallest of them. The
+    R_i and the ``levels`` of a curve are those of the module's docstring.
+    """
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return levels[0] + r[0] * r[0] * levels[3]
     if abs(r[1]) <= abs(r[2]):
@@ -48,7 +50,7 @@ class Pace(NamedTuple):
         return min(curve.period for curve in self.curves)
 
     def share(self, k: int, r: tuple[Real, Real, Real]) -> Real:
-        """weight_k(1 + dz_k) at the point of curve k = 0, 1 with the square roots ``r``."""
+        """weight_k(1 + dz_k), the term of g² from the point of curve k = 0 or 1 with the square roots ``r``."""
         return self.weights[k] * (1 + self.d * height(self.levels[k], r))
 
     def at(self, times: Sequence[Real]) -> Real:

@@ -62,7 +62,7 @@ class PackedCurves(NamedTuple):
     sizes: np.ndarray
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """R₁, R₂, R₃ and the height on each of the curves at values of τ, shape (8, N, 2)."""
+        """R₁, R₂, R₃ and z of the point on each curve (:mod:`integrable.deformations.oval`) at N τ, shape (8, N, 2)."""
         times, out = np.zeros((len(tau), 2)), np.empty((8, len(tau), 2))
         times[:, 0] = tau
         LIBRARY.points(self.curves, self.levels, times, 1, out.reshape(-1, 2))
@@ -183,7 +183,6 @@ class QuickClock:
 
 
 def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
-    """``made``(``arguments``), or None if it raises ArgumentError or PrecisionLoss."""
     try:
         return made(*arguments)
     except (ArgumentError, PrecisionLoss):
@@ -191,9 +190,9 @@ def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
 
 
 def grid_resolving(pace: Pace) -> tuple[int, int]:
-    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z.
+    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of the height z.
 
-    Mode m of z is of the size nome^m, since the pole of z is at the imaginary half-period.
+    Mode m of z on a curve is of the size nome^m, since the pole of z is at the imaginary half-period.
     """
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)

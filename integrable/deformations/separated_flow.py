@@ -41,8 +41,8 @@ class FreeFrame(NamedTuple):
 
     ``spread`` is λ1 − λ2. w_i/|M| is proportional to ``weights``_i·p_iq_i, with the roots p_i and q_i = ±√|Z − μ_k/I_i|
     on the curves k = 1 and 2. ``leans``_i is the constant factor of N_i (:mod:`integrable.deformations.two_curves`),
-    ``contact`` is 1 − da_i, ``side`` the sign of γ and M. ``back`` is the diagonal of the lift to a check or hat pair,
-    empty if there is none.
+    ``contact`` is 1 − da_i, ``side`` = ±1 the common sign of γ and M, which the points do not determine. ``back`` is
+    the diagonal of the lift to a check or hat pair, empty if there is none.
     """
 
     d: Real
@@ -59,8 +59,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
     """(γ, M) of the tilde pair without potential, from the points on both curves, with axes in ascending order of the
     moments.
     """
-    # roots of a curve are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on the
-    # first curve
+    # the roots of curve k are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on
+    # the first curve
     p, q, (mu1, mu2) = first[2::-1], second[:3], frame.mu
     f1, f2 = 1 / (1 + frame.d * first[3]), 1 / (1 + frame.d * second[3])
     e = [w * x * y for w, x, y in zip(frame.weights, p, q, strict=True)]
@@ -135,7 +135,7 @@ class OvalCarrier(CurvesCarrier):
         self.pace = Pace(self.field, body.d, self.curves, self.levels, weights)
 
     def _frame(self, e: Sequence[Real], slope: Sequence[Real], back: tuple[Real, ...]) -> FreeFrame:
-        """The constants of the states, with 1 for the common sign of γ and M."""
+        """The :class:`FreeFrame` with ``side`` 1, from e = w/|M| at the start and its derivative ``slope``."""
         K, body = self.field, self.pair.body
         sizes = [r / K.sqrt(abs(c)) for r, c in zip(body.contact, body.differences, strict=True)]
         weights = [s * w for s, w in zip(_signs(self.curves, e, slope), sizes, strict=True)]

@@ -45,11 +45,9 @@ class Many(Record, Generic[One]):
         raise NotImplementedError
 
     def _some(self, places: np.ndarray) -> Self:
-        """The members with these numbers."""
         return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
 
     def _joined(self, others: Iterable[Self]) -> Self:
-        """These members, then those of ``others``."""
         every = (self, *others)
         return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
 
@@ -126,7 +124,6 @@ class Starts(Many[One], Generic[One, Found]):
         raise NotImplementedError
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
-        """The result of :meth:`at`."""
         raise NotImplementedError
 
 

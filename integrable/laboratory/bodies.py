@@ -209,7 +209,7 @@ class RollingBall(RigidBody):
     def _vertical(self, start: np.ndarray, gamma: np.ndarray, rate: Real) -> Vertical:
         """The method for M ∥ γ, by the free body with the moments I + d and the momentum λγ, λ = ``rate``."""
         sign = 1 if rate > 0 else -1
-        # the axis x of the free body's attitude is along its momentum, z along its γ, here the axis x of the laboratory
+        # the free body's attitude has x along its momentum, and z along its γ, which here is the laboratory's axis x
         frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * self._wide.one
         return Vertical(self._free_flow(start[0], rate * gamma), frame, self._radius, sign)
 

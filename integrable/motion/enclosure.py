@@ -76,8 +76,8 @@ class BallMotion:
             given = (*body.inertia, body.d, *state.row)
             problem = self.problem = Problem.of(self.reals, given, state.tilted)
             self._translations = BallTranslations(self.reals, problem.f, problem.axes, problem.half_step)
-            # an exact 0 would send an addition into a branch for degenerate positions, which is not valid for nearby
-            # points
+            # an exact coordinate 0 would send an addition into a branch for degenerate positions. This branch is
+            # wrong for the other points of a ball
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
         # for physical time: ``_half`` is half the length of a panel, ``_reach`` the radius of the last disc, and

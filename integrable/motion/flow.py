@@ -216,7 +216,6 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
     @property
     def _compiled(self) -> bool:
-        """Whether the loops of the flow are compiled."""
         return self.kernel != "python" and not interpreted()
 
     @cached_property
@@ -274,14 +273,12 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return on_torus(self)
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """Computes :attr:`Trajectory.contact` for a run (:mod:`integrable.motion.contact`)."""
         from integrable.motion.contact import positions
 
         return positions(run)
 
     @cached_property
     def _level(self) -> tuple[Real, Real]:
-        """H1 and H2 of the motion."""
         h1, h2 = self.system.body.energies(*self.state.vectors)
         return h1, h2
 

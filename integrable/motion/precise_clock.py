@@ -30,13 +30,13 @@ Found = TypeVar("Found")
 # of the panel is that of a cell. The first NEAR_CELLS cells belong to no long panel
 LONG = 9
 NEAR_CELLS = 27
-# the mean of dt/dτ over the first NEAR_CELLS cells may be this many times larger or smaller than over later cells
+# estimates of the work allow for a clock that runs this many times faster or slower on the first cells
 UNEVEN = 4
 # long panels are used only if each Legendre coefficient is smaller than the one before by more than this many decimal
 # digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
+# 1/g of an upright state is computed from U(1/d) if all I_i/(I_i + d) exceed LIGHT: this costs up to three guard digits
 LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
 # correct digits
@@ -111,8 +111,8 @@ class RatePanels:
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """A number of decimal digits: each Legendre coefficient of 1/g over ``length`` cells is smaller than the one
-        before by at least this many.
+        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease on a panel of
+        ``length`` basic steps.
         """
         return self._scouts.digits_a_node(self._sign, length)
 
@@ -138,7 +138,7 @@ class PanelClock(RatePanels):
         self._long: tuple[Nodes, list[Real]] | None = None
 
     def place(self, t: Real) -> tuple[int, Real]:
-        """The place at which the clock shows t ≥ 0."""
+        """The place, (cell, x), at which the clock shows t ≥ 0."""
         return self._resolved(lambda: self._inverse(t))
 
     def time(self, cell: int, x: Real) -> Real:
@@ -200,7 +200,7 @@ class PanelClock(RatePanels):
         return next((cell for cell in range(first, first + LONG - 1) if self._end(cell) > t), first + LONG - 1)
 
     def _end(self, cell: int) -> Real:
-        """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
+        """t at the upper end of a cell. Cell −1 ends where cell 0 begins, at a negative time."""
         if not self._ends:
             self._ends.append(self._half * addition.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
         if cell > NEAR_CELLS:
@@ -228,7 +228,7 @@ class PanelClock(RatePanels):
         return True
 
     def _wind(self, panels: int) -> None:
-        """Extends the table of t at the ends of long panels to ``panels`` panels after the near cells."""
+        """Extends the table of t at the ends of long panels to the first ``panels`` of them."""
         if not self._far:
             self._far.append(self._end(NEAR_CELLS))
         nodes, weights = self._long_rule()
@@ -240,7 +240,7 @@ class PanelClock(RatePanels):
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
-        """Raises PrecisionLoss if a clock of ``cells`` cells exceeds its limit by more than the factor ``uneven``."""
+        """Raises PrecisionLoss if the work of a clock of this many ``cells`` exceeds ``uneven`` times its limit."""
         work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(
@@ -262,7 +262,6 @@ class PanelClock(RatePanels):
     # --- 1/g on one cell
 
     def _mean(self, cell: int) -> Real:
-        """The mean of 1/g over a cell."""
         if cell not in self._means:
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             self._means[cell] = sum(map(mul, self._rule.weights, values)) / 2
@@ -289,8 +288,8 @@ class OneTime(RatePanels):
     """
 
     def tau(self, t: Real, start: Real, point: Callable[[Real], Row]) -> Real | None:
-        """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if τ is far
-        or the panels up to it are not resolved.
+        """|τ| at |t| = ``t`` > 0, from an approximation ``start`` with more than END_DIGITS correct digits. None if |τ|
+        exceeds NEAR_CELLS cells, or if 1/g is not resolved on the way.
         """
         if start > 2 * NEAR_CELLS * self._half:
             return None

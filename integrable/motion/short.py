@@ -122,8 +122,8 @@ class ShortRuns:
 
 
 class Asked(NamedTuple):
-    """The input of compiled runs: moments, d, γ and M of each motion, shape (K, 10), and fields of
-    :class:`integrable.moving_point.short_rows.Request`.
+    """The input of compiled runs. ``given`` has moments, d, γ and M of each motion, shape (K, 10). All other fields but
+    ``tilted`` are those of :class:`integrable.moving_point.short_rows.Request`.
     """
 
     given: np.ndarray
@@ -161,8 +161,7 @@ def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray,
     """
     prepared, length = _prepared(), len(times)
     try:
-        # to pass an array to a call takes as long as half an addition of divisors, so the packed memory of an earlier
-        # run is used again
+        # passing an array takes as long as half an addition of divisors, so an earlier run's packed memory is reused
         work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)

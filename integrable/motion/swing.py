@@ -73,7 +73,7 @@ class Swing(NamedTuple):
 
     @property
     def factors(self) -> tuple[Real, Real]:
-        """The factors of the elliptic integrals F and Π in −φ."""
+        """The factors of the elliptic integrals F and Π in −φ (:mod:`integrable.motion.symmetric`)."""
         first = self.kappa * self.ratio / gmpy2.sqrt(self.r * self.r3)
         return first, self.kappa * gmpy2.sqrt(self.r3 / self.r)
 
@@ -99,7 +99,7 @@ class Upright(NamedTuple):
     """A body and a state with (γ, M) = 0, |γ| = 1 to the last digit, with axes in the order (equal, equal, other). If
     all moments differ, the motion is a rotation about the second axis.
 
-    ``a``, ``contact`` and ``d`` are a_i, r_i and d of the body, ``ratio`` is (a₃ − a₁)/a₁. ``columns`` are the
+    ``a``, ``contact`` and ``d`` are a_i, 1 − d·a_i and d of the body, ``ratio`` is (a₃ − a₁)/a₁. ``columns`` are the
     positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, ñ = g̃²(γ̃, AM̃), with tildes for this
     body, and ``matrix`` maps back to the tilted body.
     """

@@ -48,7 +48,7 @@ class ClosedCarrier(Carrier):
             return ceil(log10(self._form.radians(K.coerce(tau))))
 
     def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:
-        """τ and the points at physical times."""
+        """τ and (γ, M) at physical times."""
         rows, tau = self._computed(self._form.at, times)
         return tau, [(row[:3], row[3:]) for row in rows]
 

@@ -66,7 +66,7 @@ def cofactor_at(f: Row, divisor: Row) -> Row:
 def settled_pair(
     divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real
 ) -> tuple[Real, Real]:
-    """The pair at the branch point a, corrected as in :func:`settled`; ``rest`` is W."""
+    """The pair at the branch point a, corrected as in :func:`settled`, whose W is ``rest``."""
     b0, b1, c0, c1 = divisor
     w0, w1, w2, w3 = rest
     return settle(sigma, nu, kappa, (a + b1) * a + b0, c1 * a + c0, ((w3 * a + w2) * a + w1) * a + w0, trust)
@@ -143,9 +143,9 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
     √(1 + d(u1 + du0)) of each translation.
 
-    The chord y = V + UL/q, L = l1·x + l0, passes through the points of both divisors, U' being that of the translation.
-    With P = qV + LU the polynomial U'' of the sum is P²/(l1²·U·U') at 1/d, because f(1/d) = 0, and g² is proportional
-    to U(1/d). P loses digits if a 1 − dα_i is small.
+    Let (U, V) be the divisor of the point, U' the U of a translation and U'' that of the sum. Let P = qV + LU,
+    L = l1·x + l0, with the q, l1 and l0 of :func:`chord`. At 1/d, where f = 0, U'' is P²/(l1²·U·U'), and g² is
+    proportional to U. P loses digits if a 1 − dα_i is small.
     """
     curve, first = curve_of(f), divisor_of(point)
     height = 1 + d * (point[1] + d * point[0])

@@ -140,7 +140,7 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
 
 def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, near: Real, out: Row) -> None:
-    """:func:`oval_periods` between these points for any R whose roots lie beyond them.
+    """:func:`oval_periods` with the four ``points`` as ends, for any R whose roots lie beyond them.
 
     ``gap`` is points[2] − points[1], ``third`` are the coefficients of R, ascending, and its values at the points.
     """
@@ -176,8 +176,8 @@ def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real,
     w0, w1, w2 = bracket_of_quadratics(a0, a1, one, b0, b1, one)
     # Δ is the determinant of the coefficients of P, Q and R, expanded by those of R
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-    # the discriminants are resultants, that is products of differences of the ends, so no other close numbers are
-    # subtracted
+    # the discriminant of W is the resultant of P and Q, a product of differences of the ends; those of U and V are
+    # resultants with R, products of values of R at the ends
     spread = root((q1 - p1) * (q2 - p1) * gap * (q2 - p2))
     x1, x2 = roots_between(w0, w1, w2, spread)
     gap = 2 * spread / abs(w2)
@@ -229,7 +229,7 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
 
 
 def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> tuple[Real, Real]:
-    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
+    """∫_a^b (x − middle)^k dx/((r − d·x)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
     ``ends``. c and e lie on the same side of a and b.
     """
     a, b, c, e = ends

@@ -26,7 +26,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
     roots = sorted(setup.problem.branch_points)
     lead, tau = abs(setup.problem.f[5] or setup.problem.f[4]), abs(K.coerce(tau))
     total = K.context.log(1 + tau)
-    # the loop is over the gaps between the ovals and above the second oval; a gap of length 0 is a double root
+    # the gaps lie between the ovals and, if d ≠ 0, between the second oval and 1/d; a gap of length 0 is a double root
     for k in range(1, len(roots) - 1, 2):
         middle, gap = (roots[k] + roots[k + 1]) / 2, roots[k + 1] - roots[k]
         others = [abs(middle - e) for e in (*roots[:k], *roots[k + 2 :])]
@@ -35,7 +35,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
             square *= x
         grown = K.sqrt(square) * tau
         near = min(others)
-        # a smaller gap is a double root with rounding errors
+        # a gap up to this size is a double root with rounding errors
         if gap > K.eps * 10**8 * near:
             grown = min(grown, K.context.log(1 + 16 * near / gap))
         # the factor 2 is due to the translations, whose errors grow as much as those of the points

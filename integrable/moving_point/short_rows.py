@@ -18,14 +18,14 @@ LEVELS, FINEST = 6, 7
 # before by at least the factor ORDER_GAIN, and 15 such factors make 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# TIME_UNIT is the position of the unit of physical time in ``wide``, after a problem's row; WIDE is its length
+# the row ``wide`` has WIDE numbers: a problem's row, then the unit of physical time at TIME_UNIT
 TIME_UNIT = ROW
 WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and
 # the deviation of H2 (OFF)
 RATE, BEGIN, OFF = 10, 11, 17
-# positions in the rows of ``seen``, which describe precomputed centres: the distance from the shadow, the second motion
-# of :mod:`integrable.moving_point.short` (SHADOW), and the relative correction after the addition (MOVED)
+# positions in the rows of ``seen``, which describe precomputed centres of panels: the distance from the centre on the
+# shadow (:mod:`integrable.moving_point.short`) is at SHADOW, the relative correction after the addition at MOVED
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # number of rows of wide points: one for the centre of a panel, and one for each level of halving

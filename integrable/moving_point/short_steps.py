@@ -45,8 +45,8 @@ from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
-# double-doubles
+# the initial relative distance from the motion to its shadow (:mod:`integrable.moving_point.short`); it exceeds the
+# error of several additions in double-doubles
 OFF_BY = 2.0**-99
 # :func:`levelled` turns ν. Where the squared derivative of f − V² − UW with respect to the turn is this fraction of its
 # upper bound, the damped turn is half the required one
@@ -96,9 +96,7 @@ def exact_at(rows: Expansion, eps: float) -> bool:
 
 
 def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
-    """Computes the translations at the levels ``first`` … ``last`` by their expansion; ``eps`` is the time of the first
-    translation.
-    """
+    """Computes the translations at the levels ``first`` … ``last`` by their expansion; the first is by ``eps``."""
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
         # ``rates`` is still unused, so it holds the times meanwhile
@@ -202,8 +200,8 @@ def no_level(wide: Row, i: int) -> bool:
 
 
 def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
-    """Computes the first centre of the motion and of its shadow, or those of the next :data:`AHEAD` panels, and the
-    data of :func:`seen` at each.
+    """Computes the moving points of the motion and of its shadow at the centre of the first panel if ``first``, else of
+    the next :data:`AHEAD` panels, and the data of :func:`seen` at each.
     """
     if first:
         for j in abreast(0, 2):
@@ -254,8 +252,8 @@ def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector
 
 
 def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: float) -> Vector[Real]:
-    """ν = ``y`` of the pairs that :func:`framed` returns, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod
-    U hardly depends on the turn, no turn achieves this, and the turn is damped. ``off`` is the relative difference of
+    """``y``, the ν of the pairs that :func:`framed` returns, after one Newton step towards f ≡ V² mod U. The step turns
+    ν about σ = ``x``; it is damped where f − V² mod U hardly depends on the turn. ``off`` is the relative difference of
     H1/H2 on the required level set from H1/H2 of the motion.
 
     f − V² − UW, with the W of :func:`framed`, is a multiple of Π(x − α_i). It is evaluated at c, below the least α_i.
@@ -326,7 +324,7 @@ def contact_of(wide: Row) -> Vector[Real]:
 
 
 def contact_in_floats(wide: Row) -> tuple[Real, ...]:
-    """r_i in floats, then their rounding errors. Without the rounding errors all nodes would have a common error."""
+    """r_i = I_i/(I_i + d) in floats, then their rounding errors: without these all nodes would have a common error."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)

@@ -17,16 +17,16 @@ from jacobian.numbers.roots import root
 
 # the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point
 REACH = 0.3
-# the radius of an expansion is estimated from SCOUT terms. For more than FEW translations a longer series is computed,
-# for which half a step is halved only once per HALVED_FROM bits
+# the radius of an expansion is estimated from SCOUT terms. More than FEW translations are computed by a longer series,
+# whose argument, half a step, is halved only once per HALVED_FROM bits
 SCOUT = 24
 HALVED_FROM = 2500
 FEW = 6
 
 
 class Translations:
-    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are those of :mod:`integrable.moving_point.addition`;
-    ``half_step`` is half of a basic step, chosen by REACH.
+    """The translations T(eps) of one curve, in bare reals. ``f`` and ``axes`` are as in
+    :mod:`integrable.moving_point.addition`. ``half_step``, half of a basic step, is the largest eps of the series.
     """
 
     few: float = FEW
@@ -75,8 +75,8 @@ class Translations:
         return all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in rows[:4])
 
     def _terms(self, radius: float, size: float) -> int:
-        """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
-        are in half steps.
+        """The number of terms that give all digits of T(eps) at |eps| = ``size``, by a series that converges up to
+        ``radius``. The unit of both is half a basic step.
         """
         return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 
@@ -152,7 +152,7 @@ class Translations:
 
 class Expansion(NamedTuple):
     """Rows for the coefficients of u0, u1, v0/eps and v1·eps of T(eps), power series in z = eps², and for auxiliary
-    series: s0 and ``squares`` = (v1·eps)² (:func:`expand_orders`), and ``less``, the coefficients of w0 + 4/z.
+    series: s0, ``squares`` = (v1·eps)², and ``less`` = w0 + 4/z, with s0 and w0 as in :func:`expand_orders`.
     """
 
     u0: Row

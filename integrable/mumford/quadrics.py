@@ -43,8 +43,8 @@ class QuadricSystem(MumfordSystem):
         raise NotImplementedError
 
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
-        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, which have no axes, and their
-        p, from a pair.
+        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, to which no a_i belong, and
+        their momenta p, from a pair.
         """
         return Point((), ())
 
@@ -58,7 +58,6 @@ class QuadricSystem(MumfordSystem):
         return Point(state.q[self.before :], state.p[self.before :])
 
     def _pull(self, N: FormulaField, state: Point) -> list[Real]:
-        """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
         return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
 

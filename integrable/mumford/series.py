@@ -107,7 +107,8 @@ def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
 
 
 class PointMotion:
-    """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
+    """D(τ) along a direction from the pair with ``points`` (xs, ys), with the integrals of the third
+    kind ∫dx/(y(x − e)) for each e in ``others``.
 
     ``field`` is a field of long numbers, or of balls, which then contain D(τ). Series have ``order`` terms.
     """

@@ -67,7 +67,7 @@ class GroupTranslations:
         self._unseen = FRACTION
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
-        """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
+        """The abscissas and ordinates of the points of E, then P₀; points of a motion on real ovals stay away."""
         return reference(self.group)
 
     def carried(self, D: Extended, tau: Real) -> Extended:
@@ -120,8 +120,8 @@ class GroupTranslations:
     def _corrected(self, D: Extended, only_lifts: bool = False) -> Extended:
         """D moved back onto the curve; with ``only_lifts``, D with its lifts computed again from U and V.
 
-        Where degree and genus are odd, the sums have divided κ by ℓ², with the leading coefficient ℓ of f. There each
-        lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
+        Where degree and genus are odd, the additions that gave D divided κ by ℓ², ℓ being the leading coefficient of
+        f. There each lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
         """
         group = self.group
         if self._drifts:
@@ -159,7 +159,7 @@ class GroupTranslations:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size and flat)
 
     def _near(self, time: Real) -> Extended:
-        """E(time), with its data."""
+        """E(time), the reference divisor E moved for a short time, with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 

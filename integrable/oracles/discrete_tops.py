@@ -132,7 +132,7 @@ def _determinant(m: Sequence[Sequence[Any]]) -> Any:
 
 
 def _rotation(J: Vector, M: Vector, h: Any) -> tuple[Any, Vector, int]:
-    """The quaternion (e0, e) of a step: h·M_1 = 2e0·J_1e_1 + 2e_2e_3(J_3 − J_2), cyclic."""
+    """e0, e and the number of iterations. The quaternion (e0, e): h·M_1 = 2e0·J_1e_1 + 2e_2e_3(J_3 − J_2), cyclic."""
     e = [h * m / (2 * x) for m, x in zip(M, J, strict=True)]
     change = None
     for iteration in range(MOST_ITERATIONS):

@@ -62,7 +62,7 @@ class EllipticTop:
         self._phase(a, gamma, M)
 
     def _amplitudes(self, a: Vector, M: Vector) -> None:
-        """Sets the amplitudes A_i, the rate λ, the parameter m, the characteristic n, and u at time 0."""
+        """Sets A_i, λ, n and u_0 of the module's docstring, and the parameter m of the elliptic functions."""
         c = self.context
         square = [m * m for m in M]
         # (M, AM) − a_3|M|² and a_1|M|² − (M, AM) are computed as sums of terms of one sign, so that no digits cancel
@@ -163,7 +163,7 @@ class EllipticTop:
         return c.re(c.ellippi(n, amplitude, self.parameter))
 
     def _floats(self, places: list[tuple[Any, int]], angles: Vector) -> np.ndarray:
-        """Rows of γ and M in floats, by SciPy, from reduced values of u and reduced angles."""
+        """γ and M in floats, by SciPy. ``places`` are from :meth:`_reduced`; ``angles`` are reduced modulo 2π."""
         needed("scipy", "the closed form in floats")
         from scipy.special import ellipj, elliprf, elliprj
 

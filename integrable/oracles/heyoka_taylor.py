@@ -115,6 +115,5 @@ def _of_any_times(
 
 
 def _long_double(x: Any) -> Any:
-    """A number, of double or higher precision, as a long double."""
     high = float(x)
     return np.longdouble(high) + np.longdouble(float(x - high))

@@ -197,7 +197,7 @@ class _Series:
         w: list[list[Any]] = [[], [], []]
         above: list[Any] = []  # (γ, AM)
         below: list[Any] = []  # g⁻² = Σ I a γ²
-        ratio: list[Any] = []  # n
+        ratio: list[Any] = []  # n = (γ, AM)/g⁻²
         for k in range(self.order):
             rx = [c[::-1] for c in x]
             above.append(sum(a[i] * dot(m[i], rx[i]) for i in range(3)))

@@ -49,7 +49,7 @@ def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: A
 
 
 def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, Any]]:
-    """(index, whole steps, rest) of each time of one sign, sorted by size. The division of floats is exact.
+    """(index, whole steps, rest) of each time of one sign, sorted by size. Floats are divided exactly.
 
     Raises ArgumentError unless the step is positive.
     """

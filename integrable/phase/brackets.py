@@ -74,7 +74,6 @@ def canonical_matrix(K: Field) -> Matrix:
 
 
 def _skew(K: Field, x: Vector) -> Matrix:
-    """The 3×3 matrix −ε_ijk x_k of a vector x."""
     zero, (x1, x2, x3) = K.zero, x
     return ((zero, K.neg(x3), x2), (x3, zero, K.neg(x1)), (K.neg(x2), x1, zero))
 

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 
 def branch_points(body: Body) -> tuple[Real, ...]:
-    """The roots of f at which a state has a pair: a1, a2, a3, and over exact fields with d ≠ 0 also 1/d, whose pair
-    gives g rationally.
+    """The roots of f at which a state has a pair (σ, ν) (:func:`kappas`): a1, a2, a3, and over exact fields with d ≠ 0
+    also 1/d, whose pair gives g rationally.
     """
     return (*body.a, body.field.inv(body.d)) if body.rolls and body.field.exact else body.a
 
@@ -54,8 +54,8 @@ def g_of(body: Body, state: State) -> Real:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They are the pairs of (U, P): P is V minus the multiple of
-    U with which P vanishes at 1/d; at d = 0, P = V.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They are the pairs of (U, P), where P = V − λU with the
+    λ for which P(1/d) = 0; at d = 0, P = V.
 
     NotASquare when g = √g² is not in the field.
     """
@@ -196,7 +196,7 @@ def root_pair(K: Any, square: Real, product: Real, other: Real, model: Pair | No
         pair = (sigma, K.div(product, sigma))
     opposite = (K.neg(pair[0]), K.neg(pair[1]))
     if model is None:
-        # a γ̂ of rounding size does not decide the sign
+        # a σ of rounding size does not decide the sign
         return opposite if not K.exact and pair[0] < -64 * K.eps * abs(pair[1]) else pair
     if K.exact:
         return opposite if opposite == model else pair

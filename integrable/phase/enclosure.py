@@ -225,7 +225,6 @@ def rounded_up(radius: arb) -> float:
 
 
 def _ends(ball: arb) -> Ends:
-    """The midpoint and the radius of a ball, each as mantissa and exponent."""
     (m, e), (r, k) = ball.mid().man_exp(), ball.rad().man_exp()
     return (int(m), int(e)), (int(r), int(k))
 

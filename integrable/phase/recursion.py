@@ -41,14 +41,14 @@ def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
 
 
 def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
-    """The recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) as a 4×4 matrix."""
+    """The recursion operator Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) of the brackets Π, Π', with the :func:`eigenvalues` λ_k."""
     values = eigenvalues(body, point) * 2
     zero = body.field.zero
     return tuple(tuple(value if i == j else zero for j in range(4)) for i, value in enumerate(values))
 
 
 def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) -> Real | None:
-    """The trace J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
+    """J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1, of the recursion operator N. ArgumentError if m is 0 in the field."""
     values, K = eigenvalues(body, point), body.field
     m = whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX)
     below = poly.integer(K, m)

@@ -83,7 +83,7 @@ def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
 
 
 def hat_eigenvalues(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
-    """The numbers ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
+    """The numbers ν_k = û_kφ(û_k)p̂_k², φ(x) = 4Π(a_i − x), for the variables (û, p̂) that :func:`hat` finds."""
     first, second = (K.mul(K.mul(x, _phi(K, a, x)), K.mul(p, p)) for x, p in zip(*hat(K, a, point), strict=True))
     return first, second
 

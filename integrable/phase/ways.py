@@ -29,7 +29,7 @@ class Cost(NamedTuple):
     each: float
 
     def of(self, count: int) -> float:
-        """The microseconds for ``count`` times, set-up included."""
+        """The microseconds that the way takes for ``count`` times, set-up included."""
         return self.set_up + count * self.each
 
 

@@ -33,8 +33,8 @@ from jacobian.numbers.long_reals import BallReals
 
 
 def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part at the given ``times`` for a system whose phases are linear in t. Its shape is that of the
-    derivatives.
+    """The secular part of the derivatives of the states at ``times``, in an array of their shape, for a system whose
+    phases are linear in t.
     """
     (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
     # phases and actions determine neither an angle about an axis nor the centre of mass of a lattice
@@ -64,7 +64,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
 
 
 def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part at the given ``times`` for a ball or top, shape (N, 6, 10)."""
+    """The secular part of the derivatives of γ and M at ``times``, for a ball or top: shape (N, 6, 10)."""
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     if flow.portrait.region not in ("low", "high"):
         raise NotRepresentable("secular: these are derivatives of motions that lie on no torus of dimension two")

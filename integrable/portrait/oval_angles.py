@@ -40,8 +40,8 @@ class OvalAngles(NamedTuple):
         """The times, shape (N,), that the motion takes from ``phases`` until the point in one ``oval`` is at the angle
         φ = 2π·phases[:, oval].
 
-        The sums grow at the ``rates``. Combinations of them that do not grow determine the angles of the other points;
-        a sum that grows then gives the time.
+        ``rates`` are the derivatives of the class's g sums by time. Combinations of the sums that are constant in time
+        determine the angles of the other points; a sum that grows then gives the time.
         """
         grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
 

@@ -55,9 +55,9 @@ class Level(NamedTuple):
 
     @staticmethod
     def at(body: Body, X: Real, zeta: Mpf) -> Level:
-        """The level of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
+        """The level of all motions with H2 = 1, (γ, M)² = X < 1 and H1/H2 = ζ of the upright body.
 
-        Chaplygin's transformation depends on X and ζ only.
+        ζ is between the least and the largest a_i. Chaplygin's transformation depends on X and ζ only.
         """
         axes = sorted(range(3), key=lambda i: body.a[i])
         a1, a2, a3 = (body.a[i] for i in axes)

@@ -126,14 +126,14 @@ class Portrait(Immutable):
 
     @cached_property
     def periods(self) -> tuple[Real, Real]:
-        """1/|f1| and 1/|f2|. For ζ < a₂ the axis makes half a turn in space in the first period, and γ̃ half a turn in
-        the body in the second; for ζ > a₂ the periods are exchanged.
+        """1/|f1| and 1/|f2|. For ζ < a₂ the body's ``axis`` makes half a turn about M̃ in space in the first period,
+        and γ̃ makes half a turn about this axis in the second; for ζ > a₂ the periods are exchanged.
         """
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
 
     def moving(self, name: str) -> Ovals:
-        """The periods :attr:`ovals`; NotRepresentable for the quantity ``name`` where a point of the divisor rests."""
+        """``ovals``; NotRepresentable, with a message that begins with ``name``, where a point of the divisor rests."""
         if self.region in ("symmetric", "rotation"):
             raise NotRepresentable(
                 f"{name}: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"

@@ -41,7 +41,7 @@ MOST_NODES = 1 << 13
 # dt/dτ is sampled on FIRST_GRID, then on finer grids of up to MOST_SAMPLES points, until modes that are not sampled are
 # below NOISE times the mean, the size of rounding errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
-# modes w_n of a coefficient of dφ below this fraction of its mean are not needed in floats
+# waves of :class:`OvalAngles` below this fraction of the mean of their form and oval are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
@@ -73,7 +73,7 @@ class SeparatedTorus:
 
     @property
     def one(self) -> Real:
-        """The number 1."""
+        """The number 1 of the field in which the ovals are computed."""
         one: Real = self._field.one
         return one
 
@@ -108,7 +108,7 @@ class SeparatedTorus:
     def _sampled(
         self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
     ) -> list[list[Real]]:
-        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, minus the parts of their poles."""
+        """For each form the coefficients of dφ at φ = π(k + ½)/n, times ``factor``, without the terms of its poles."""
         import gmpy2
 
         N = self._field

@@ -148,7 +148,7 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
-        """The numbers, the sizes of their changes, and the names of those that have derivatives."""
+        """The :class:`Inputs` of the motion, and the names of those that have derivatives."""
         raise NotImplementedError
 
     def _by_variations(self, run: AnyRun) -> Sensitivity | None:

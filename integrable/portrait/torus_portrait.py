@@ -58,7 +58,7 @@ class TorusPortrait(Immutable):
 
 
 def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
-    """Signs that make the actions of ovals positive, then the actions and each frequency with these signs."""
+    """[signs, actions, [f₁], …]: the signs make the actions of ovals positive; actions and frequencies have them."""
     actions, one = torus.actions, torus.one
     signs = [one for _ in torus.frequencies]
     for k, (oval, action) in enumerate(zip(torus.ovals, actions or (), strict=False)):

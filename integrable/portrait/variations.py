@@ -39,7 +39,7 @@ class Variation(NamedTuple):
 
     @staticmethod
     def at(body: Body, rows: Array) -> Variation:
-        """The quantities at states γ and M, given as rows of six numbers, (N, 6)."""
+        """The Variation at states (γ, M), given as rows of six numbers, (N, 6)."""
         inertia, a, d = np.array(body.inertia), np.array(body.a), float(body.d)
         gamma, M = rows[:, :3], rows[:, 3:]
         thin = inertia * a

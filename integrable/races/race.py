@@ -129,7 +129,7 @@ def _chosen(times: Sequence[float]) -> np.ndarray:
 def _rung(
     one: Problem, times: np.ndarray, truth: Truth, left: list[Entrant], rung: int, limit: float
 ) -> list[tuple[Entrant, Run]]:
-    """The runs of all methods at one rung. Each method first runs alone, then the fast methods run in turn."""
+    """The runs of the methods ``left`` at their settings[rung]: first each alone, then the fast ones in turn."""
     found = {entrant.name: _tried(one, times, truth, entrant, rung, limit) for entrant in left}
     fast = [entrant for entrant in left if (found[entrant.name].seconds or PATIENCE) < PATIENCE / 2]
     every = {entrant.name: partial(entrant.run, one, times, entrant.settings[rung]) for entrant in fast}

@@ -245,8 +245,8 @@ class Compiled:
     ) -> Reached:
         """The states at times of one sign in ascending size that about ``most`` steps reach.
 
-        The first bounds in ``steps.tiers`` are used, from the index ``tier`` on, that allow a walk as far as the last
-        of the times. The number reached is −1 for times in another order.
+        The walk uses the first bounds of ``steps.tiers``, from the index ``tier`` on, whose ``farthest`` includes the
+        last of the times. For times in another order the number of states reached is −1.
         """
         count, found = len(times), np.empty((len(times), *self._shape))
         try:

@@ -31,8 +31,8 @@ class Steps(NamedTuple):
     tiers: tuple[Bounds, ...]
 
 
-# FINE and FINEST give states right to the last bits of floats. Their two walks may differ by an eighth of the rounding
-# unit only, because errors of terms in floats are nearly as large in the finer walk as in the coarser one
+# FINE and FINEST give states right to the last bits of floats. The finer and the coarser walk of a motion may differ by
+# an eighth of the rounding unit only, because errors of terms in floats are nearly as large in one as in the other
 WIDE, WIDEST = Orders(9, 34), Orders(18, 44)
 FINE = Steps(WIDE, (Bounds(1e-25, 1e-7, 1e1, 1e1, 2.0**-56),))
 FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))

@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
-The sums of several nodes form one vector, and their factors are stored side by side. Straight-line code has all terms
-of a sum. A loop over orders computes AT_ONCE orders in a round: an inner loop first sums the terms of all these orders
-whose two factors belong to earlier rounds.
+The sums of several nodes form one vector, and their factors are stored side by side. Low orders are straight-line
+code, which has all terms of a sum. A loop over the other orders computes AT_ONCE orders in a round: an inner loop first
+sums the terms of all these orders whose two factors belong to earlier rounds.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Factor = tuple[str, Side, int]
 
 
 class Loop(NamedTuple):
-    """A loop over the orders ``begin`` … ``end`` − 1, of which a round computes ``at_once``."""
+    """A loop over the orders ``begin`` … ``end`` − 1, ``at_once`` orders in each round."""
 
     begin: int
     end: int
@@ -66,7 +66,7 @@ class Sums:
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
-        # registers hold values of the previous round
+        # the registers recorded so far hold values of the previous round
         self._recent, self._built = {}, {}
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
@@ -304,8 +304,8 @@ class Sums:
         return sums
 
     def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
-        """Adds to ``sums``[m], m < ``count``, the product of the left factor with the right factor m orders on, doubled
-        if ``twice``.
+        """Adds to ``sums``[m], m < ``count``, the product of the ``left`` coefficient and the coefficient m orders
+        after the ``right`` one, doubled if ``twice``.
         """
         (up, side, j), (down, other, i) = left, right
         x = text.load(self._place(side, j, 0), up)
@@ -338,7 +338,7 @@ class Sums:
         return text.write(f"shufflevector {kind} {x}, {kind} undef, <{lanes} x i32> <{places}>")
 
     def _fetched(self, text: Text, side: Side, k: int, part: int) -> str:
-        """Coefficients k of the factors on one side of a group, as one vector."""
+        """Coefficients of order k of a side's factors, as a vector: the high parts, or the low parts if ``part``."""
         key = side.place, k, part
         if key not in self._built:
             # coefficients of the current order are in registers, except those of order 0 of variables
@@ -362,7 +362,7 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
 
 
 def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tuple[int, Wide, Wide]]:
-    """The terms f·x·y of two coefficients ``value``(side, order), where the one of higher order comes first."""
+    """(f, x, y) for each term f·x·y; the coefficients x and y are ``value(side, order)``, x of the higher order."""
     values = ((f, (i, value(0, i)), (j, value(1, j))) for f, i, j in terms)
     return [(f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1]) for f, x, y in values]
 

@@ -173,7 +173,7 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
 
 
 def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
-    """The state with γ (or M, if ``by_momentum``) turned away from its exact direction by 10^−distance."""
+    """The state with γ and M (only M if ``by_momentum``) turned away from their exact directions by 10^−distance."""
     K: Any = system.field
     gamma, M = (list(map(K.coerce, v)) for v in state.vectors)
     i = max(range(3), key=lambda k: abs(M[k]))
@@ -206,9 +206,7 @@ def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
 
 
 def _digits(field: Any, condition: float) -> list[int]:
-    """The numbers of digits to try: twice the sum of the field's digits and those lost to the condition, then 2 and 4
-    times as many.
-    """
+    """Numbers of digits to try: n = 2(the field's digits + those lost to the condition), 2n and 4n."""
     own = field.dps or EPS_DIGITS
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))

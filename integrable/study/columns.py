@@ -108,7 +108,7 @@ def factor(value: float) -> str:
 
 
 def _way(found: SceneFindings) -> str:
-    """The setting of the flow's fastest row in floats, marked where no divisors are added."""
+    """The setting of the flow's fastest row in floats, with a note if the flow integrates the equations of motion."""
     setting: str = next((c["row"]["setting"] for c in found.flow if c["result"] is found.best), "failed")
     return setting if found.moved_by_divisors or not found.flow else f"{setting}, integrated: no divisors"
 

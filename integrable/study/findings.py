@@ -83,7 +83,7 @@ class Standing:
 
     @property
     def least(self) -> float | None:
-        """A lower bound of the ratio of run times, where no other method was accurate enough and some were stopped."""
+        """The longest run time that a method exceeded, divided by the flow's; None if none did, or one was accurate."""
         slower = [told["slower"] for told in self.tried.values() if "slower" in told]
         return float(max(slower) / self.flow["total"]) if self.peer is None and slower else None
 
@@ -221,7 +221,7 @@ class SceneFindings:
     def _beside(row: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         """A result of the flow for comparison with a row.
 
-        For a result in floats the run time is the one measured in turn with the comparator, if there is such a time.
+        Where the flow in floats was timed alternately with the row's method, its run time is that of this measurement.
         """
         in_turn = own["row"]["setting"] == "floats" and "flow" in row
         result: dict[str, Any] = own["result"]
@@ -268,9 +268,7 @@ class Study:
 
     @property
     def horizons(self) -> list[float | None]:
-        """The single times at which flows were compared with others, the shortest first, and None for all of a scene's
-        times.
-        """
+        """The single times at which flows were compared with others, ascending, and None for all of a scene's times."""
         every = [standing.T for f in self.motions for standing in f.standings]
         return [*sorted({T for T in every if T is not None}), *([None] if None in every else [])]
 

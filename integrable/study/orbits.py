@@ -192,7 +192,6 @@ def _jump(step: Any, state: State, found: Orbit) -> float | None:
 
 
 def _words(scene: Scene) -> str:
-    """The scene's maps with their arguments, in the order in which a step applies them."""
     assert scene.steps is not None
     maps = []
     for one in scene.steps.maps:

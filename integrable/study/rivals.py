@@ -202,7 +202,7 @@ def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple
 
 
 def affordable(told: float, task: Task) -> None:
-    """Raises TooLong if a whole run would take more seconds than the study allows."""
+    """Raises TooLong if a whole run, of about ``told`` seconds, would take longer than the study allows."""
     if told > task.limits.run:
         more = f"more than the {task.limits.run:.2g} s of this study"
         raise TooLong(f"not run: a whole run would take about {told:.2g} s, {more}")

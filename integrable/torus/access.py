@@ -37,7 +37,7 @@ from jacobian.periods.real_basis import Whole
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# from DENSE_FROM ascending times on, with at least DENSE per node of the panels, interpolation on panels is faster
+# at DENSE_FROM or more ascending times, if panels have at least DENSE times per node, interpolation on them is faster
 DENSE_FROM = 5000
 DENSE = 3
 # the states must satisfy the equations of motion up to RIGHT times the largest velocity
@@ -55,7 +55,6 @@ class BodyTorus:
 
     def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
-        # the data of the motion, in its own units of length and time
         self.units, self._motion, self.tilt, start, self._problem, self._smallest = loops.begun(setup)
         found = loops.room(FOUND)
         m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)

@@ -33,12 +33,12 @@ ROUGH = 1e-4
 # a mode is loud, and is summed in double-doubles, if its amplitude in τ is LOUD·(least dt/dτ)/(mean dt/dτ) or more;
 # floats would lose digits of τ in it. Amplitudes are in units of the time in which the body turns by about a radian
 LOUD = 0.05
-# the error of a spectrum is at most SLOW times the frequency of a phase, by which slow modes are divided, or EXTENDED
-# if that is more. Modes below ROUNDING times the largest, which rounding may have made, are left out
+# slow modes are divided by their frequency. So the error of a spectrum is at most SLOW times the frequency of a phase,
+# or EXTENDED if that is more. Modes below ROUNDING times the largest, which rounding may have made, are left out
 SLOW = 1e-13
 EXTENDED, ROUNDING = 2.0**-58, 2.0**-90
-# a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
-# move τ
+# a mode is dropped only if it moves τ by less than this fraction of the time in which the body turns by a radian: a
+# slow mode may be small in 1/g and still move τ
 LEAST_SWING = 1e-17
 # turns of a phase at the times of :meth:`FarTimes.witnesses`: more than one in either direction, so that sign changes
 # of the γ_i after a turn are tested
@@ -187,7 +187,7 @@ class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
     ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
-    turns by about a radian. Modes below ``noise`` of the largest are left out if they hardly move τ
+    turns by about a radian. Modes below ``noise`` times the largest are left out if they hardly move τ
     (:class:`~integrable.torus.clock_modes.Cutoffs`). ``doubled`` are the periods of dt/dτ in turns. PrecisionLoss where
     a mode is in resonance.
 

@@ -19,7 +19,8 @@ LEVEL = 1e-8
 # modes, bodies whose moments differ by a factor of 10⁶ up to 90 (tests.fuzz flow). Each mode costs about 0.3 µs per
 # time
 MOST_LOUD = 400
-# a mode that moves τ by more turns than this is in resonance: floats would invert the clock only to 1e-4 of a turn
+# a mode by which a phase oscillates by more turns than this is in resonance: floats would invert the clock only to
+# 1e-4 of a turn
 MOST_SWING = 1e12
 
 
@@ -135,9 +136,9 @@ def clock_series(
     """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``.
 
     Returns four numbers. The first is a bound of |S|. The second is minus the sum of all modes at the start, which
-    makes S vanish there; the third is the same for the quiet modes alone. The last is the mean of the samples of 1/g
-    divided by the true mean, 1 up to rounding. ``given`` has the numbers (turns of phase 1 and of phase 2 per unit of
-    τ, mean of 1/g, 2π), then the periods of 1/g in both phases, in turns. ``loud`` and ``pace`` are filled for
+    makes S vanish there; the third is the same without the modes in ``loud``. The last is the mean of the samples of
+    1/g divided by the true mean, 1 up to rounding. ``given`` has the numbers (turns of phase 1 and of phase 2 per unit
+    of τ, mean of 1/g, 2π), then the periods of 1/g in both phases, in turns. ``loud`` and ``pace`` are filled for
     :class:`integrable.torus.clock_loops.Clock`.
     """
     columns, (turns, doubled) = grid[1], given

@@ -110,7 +110,7 @@ def resolved_samples(
     most: int,
     transform: Callable[[np.ndarray], np.ndarray] = spectrum,
 ) -> ResolvedSamples:
-    """The samples of F = ``function``. ``noise`` maps the largest Fourier coefficients of the parts, shape (m,), to the
+    """The samples of F = ``function``. ``noise`` maps the largest Fourier coefficients of the m parts of F to the
     fractions of them that count as rounding. PrecisionLoss where more than ``most`` samples are needed.
     """
     doubled = periods_of(flow)

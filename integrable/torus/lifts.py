@@ -50,8 +50,8 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) of :mod:`integrable.torus.states` at phases in turns since the start. The phases must be below 2,
-    because larger ones would lose digits.
+    """(γ̃, w̃) of :mod:`integrable.torus.states` at the phases ``first`` and ``second``, in turns since the start. They
+    must be below 2, because larger ones would lose digits.
     """
     sums, places = torus.sums, torus.places
     one, two = circle((first + places[0]) / 2, sums.inverse), circle((second + places[1]) / 2, sums.inverse)

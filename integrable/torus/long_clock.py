@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 # a Newton step whose slope is a float multiplies the error by about GAIN; after the first step, in floats, sums are
 # evaluated to FIRST_GOAL digits
 GAIN, FIRST_GOAL = 1e-13, 28
-# a mode is slow if |k·ν₁ + m·ν₂| is below RESONANT times |k·ν₁| + |m·ν₂|; a slope that takes slow modes as constant
-# over some periods has the relative error SLOW_GAIN
+# a mode is slow if |k·ν₁ + m·ν₂| is below RESONANT times |k·ν₁| + |m·ν₂|. Newton's method takes the slow modes of
+# dt/dτ at its start value of τ; such slopes have the relative error SLOW_GAIN
 RESONANT, SLOW_GAIN = 2.0**-20, 2.0**-16
-# steps in floats that no longer shrink, and are below this part of the oscillation of τ, are due to rounding
+# Newton steps in floats no longer help if they do not halve and are below this part of the oscillation of τ
 SETTLED = 1e-9
 
 

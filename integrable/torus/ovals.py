@@ -16,7 +16,7 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from flint import acb, arb
 
-# −NOTHING is the decimal exponent of 0
+# −NOTHING stands for the decimal exponent of 0
 NOTHING = 1e9
 # the n-th harmonic of an integrand is about e^(−decay·n); a larger decay is replaced by this one: few nodes suffice
 LARGEST_DECAY = 40.0
@@ -45,7 +45,7 @@ class Part(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of an oval: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y, and (∫dx/y, ∫x dx/y)."""
+    """A point of an oval [a, b]: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y; (∫dx/y, ∫x dx/y) from a to u."""
 
     u: arb
     below: arb

@@ -114,7 +114,7 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
 
 
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
-    """Compares the pairs with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
+    """Compares derivatives of the lifts with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
     count = len(torus.ends)
     wide, right = 2 * count, room[2 * count * AROUND * CHECKED :]
     put_around(torus.torus, torus.frequencies, room)
@@ -157,7 +157,7 @@ def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> 
 
 
 def curvature(sums: ThetaSums, phases: Row, one: Row, two: Row) -> Real:
-    """The second derivative of log θ_∞ along two directions, given as turns of both phases."""
+    """The second derivative of log θ_∞ (:mod:`integrable.torus.lifts`) along two directions, in turns of the phases."""
     k, (_, rows, columns) = sums.sizes[0] - 1, sums.sizes
     half, zero = sums.inverse[0] / 2, 0 * phases[0]
     value, d_one, d_two, bend = zero, zero, zero, zero

@@ -97,9 +97,7 @@ def panel_length(states: States, least: float) -> float:
 
 
 def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """The Chebyshev coefficients of ``states`` on panels with these middles and half-lengths, shape (panels, NODES,
-    width).
-    """
+    """The Chebyshev coefficients of ``states`` on panels of these middles and half-lengths, (panels, NODES, width)."""
     nodes, matrix, slopes = _rule()
     offsets = half[:, None] * nodes
     times = middle[:, None] + offsets

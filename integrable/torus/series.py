@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
-# products of matrices have up to ONE_THREAD multiplications: above that NumPy uses several threads, which wait in busy
-# loops. If such a product takes fewer than FEWEST phases, all are summed at once, as large tables are slow to read
+# sums at several phases are products of matrices of up to ONE_THREAD multiplications: for more, NumPy uses several
+# threads, which wait in busy loops. If a product would have fewer than FEWEST phases, one product takes all phases, as
+# large tables are slow to read
 ONE_THREAD, FEWEST = 1 << 15, 4
 # modes below TINY may underflow in floats
 TINY = 1e-290
@@ -138,8 +139,8 @@ class LongSeries:
     """The function S of a :class:`TorusSeries` in many digits, at many points at once; ``rough`` is the series in
     floats.
 
-    ``rows[k]`` are the modes of its F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
-    ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
+    ``rows[k]`` are the modes of the function F of the TorusSeries for k ≥ 0 and m = −most, …, most, in flint's balls.
+    Modes below ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
     def __init__(
@@ -195,8 +196,8 @@ class LongSeries:
         return found
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
-        fraction of the noise.
+        """The modes for this many digits, None for all. The smallest modes are left to floats, and with ``digits``
+        some are dropped, as long as the total error is at most half a unit of the last digit.
         """
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits
@@ -294,7 +295,7 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
 
 
 def needed_size(modes: np.ndarray, noise: float) -> int:
-    """One of the :func:`needed_sizes`; ``modes`` are the largest mode of each row, relative to the largest of all."""
+    """An entry of :func:`needed_sizes`; ``modes``: the largest mode of each row or column, relative to the largest."""
     half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     return size_wanted(folded.tolist(), len(modes), noise)

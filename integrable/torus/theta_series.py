@@ -45,7 +45,7 @@ class ThetaSums(NamedTuple):
 def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
     """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
     (c1, s1), rows, zero = first, sums.sizes[1], 0 * first[0]
-    # (a, b) is (cos, sin) of πaφ₁ for the rows a = ε₁, ε₁ + 2, …
+    # (a, b) is (cos, sin) of πnφ₁ for the rows n = ε₁, ε₁ + 2, …
     ca, sa = c1 * c1 - s1 * s1, 2 * c1 * s1
     a, b = 1 + zero, zero
     if sums.chars[4 * k] > 0:
@@ -63,8 +63,8 @@ def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real,
 
 
 def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tuple[Real, Real, Real, Real]:
-    """The coefficients of cos πaφ₁ and of sin πaφ₁ in row a of θ_k, the i-th row, then those of its derivative; from
-    (cosine, sine) of πφ₂.
+    """The coefficients of cos πaφ₁ and of sin πaφ₁, a = ε₁ + 2i, in θ of class k, then those in its derivative. They
+    are summed from row i of the table; ``second`` is (cosine, sine) of πφ₂.
     """
     (c2, s2), table = second, sums.table
     _, rows, columns = sums.sizes
@@ -138,7 +138,7 @@ def theta_weights(
         sums.table[n] = zero
     for k in range(classes):
         e1, e2 = sums.chars[4 * k], sums.chars[4 * k + 1]
-        # Y is reduced: the largest term is one with the least |a| and |m|
+        # Y = Im τ is a reduced form, so the largest e^(−πnYn), n = (a, m)/2, has the least |a| and |m|
         top, phase = term(lattice, e1, e2), sixteenths(lattice.turns, e1, e2)
         other = term(lattice, e1, -e2)
         if other > top:
@@ -154,8 +154,8 @@ def theta_weights(
 
 
 def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int, top: Real, phase: int) -> bool:
-    """Adds the coefficients of n = (a, ±b)/2, with + on ``side`` 0 and − on ``side`` 1, to row i of class k, where
-    (k, i) = ``place``.
+    """Adds the terms of the theta series of class k with n = (a, ±b)/2, for the a of row i and all b, to this row of
+    the tables; (k, i) = ``place``. The sign is + on ``side`` 0 and − on ``side`` 1.
 
     ``top`` and ``phase`` are the size and the phase of the largest term. Returns whether all terms are real multiples
     of it.

@@ -45,9 +45,7 @@ def two_word_context(K: Any) -> TwoWords | BinaryContext:
 
 @cache
 def library(context: type, model: type) -> Library:
-    """The compiled loops for a class of contexts and a class of equations; ``Plain`` stands for Cantor's algorithm
-    alone.
-    """
+    """The compiled loops for classes of contexts and of equations; ``Plain`` stands for Cantor's algorithm alone."""
     short = context in (Wide64, BinaryTable, OddTable)
     item = INT if short else LONG
     head = CONTEXTS[context], record(model, *[item] * len(model._fields))  # type: ignore[attr-defined]

@@ -61,7 +61,7 @@ def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: P
 def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
     """The d and k of :func:`compose`, if gcd(u₁, u₂) is not 1.
 
-    The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) as ``k``, and the second divisor (u₂, v₂).
+    The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) with su₂ ≡ d mod u₁ as ``k``, and (u₂, v₂).
     """
     K = C.field
     common, t = half_xgcd(K, d, trace)

@@ -143,7 +143,7 @@ def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes the class ``found``, a tuple of words of weight g (so that n = 0), to ``result``, an array as in
+    """Writes ``found``, the words of a class with deg u = g and n = 0, to ``result``, an array as in
     :mod:`jacobian.addition.cantor_words`.
     """
     place = g + 2
@@ -180,7 +180,7 @@ def leave(K: Any, g: Any, a: Any, data: Any) -> None:
 
 
 def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
-    """Replaces two classes in ``data`` by their sum; S has ROWS rows."""
+    """Replaces two classes in ``data`` by their sum; S is working memory of ROWS rows."""
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     enter(K, g, data, 3, enter(K, g, data, 0, 6, total), other)
     cantor_words.add_classes(K, curve, S, total, other, total)

@@ -46,7 +46,7 @@ class OnInts:
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
         """The text ``found`` for use as a factor, or as a result if ``result``. "% p" is appended to all texts but
-        those of factors that contain no unreduced product (degree 1).
+        those of factors of degree 1, which contain no unreduced product.
         """
         if self.degrees.get(index, 1) == 1 and not result:
             return found

@@ -183,7 +183,9 @@ def found_step(desk: Any, place: Any, size: int) -> int:
 
 
 def sift(K: Any, sign: int, count: int, desk: Any) -> int:
-    """The number of candidates (s, t) whose group order annihilates D; moves them to the front of ``found``."""
+    """Moves those candidates (s, t) whose group order annihilates the class D of the desk to the front of
+    ``desk.found``, and returns their number.
+    """
     g, classes, found, left = desk.curve[0], desk.classes, desk.found, 0
     place, other = classes[6], classes[7]
     for n in range(count):

@@ -140,7 +140,7 @@ def _unitary() -> dict[str, list[Part]]:
     for n in (2, 4, 6):
         half, odd = n // 2, [pi * k / n for k in range(1, n, 2)]
         found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
-        # H′ is D_(n/2): every second rotation about the main axis and half turns about every second perpendicular axis
+        # without J: D_(n/2), half of the rotations about the main axis and half turns about half of the other axes
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)

@@ -187,7 +187,7 @@ def add_columns(curve: Any, first: Any, second: Any, out: Any, doubtful: Any, sp
 
 
 def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Any) -> Any:
-    """The index of the first divisor whose remainder exceeds GIVEN_NOISE, or −1."""
+    """The index of the first divisor whose :func:`misfit` with the curve exceeds GIVEN_NOISE, or −1."""
     for i in range(divisors.shape[1]):
         if not misfit(f, scaled(half, inverses, divisors, i)) <= GIVEN_NOISE:
             return i

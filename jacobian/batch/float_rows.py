@@ -224,7 +224,6 @@ def _kind(D: Divisor) -> int:
 
 
 def _result(operation: Callable[..., Divisor], *operands: Divisor) -> tuple[list[Any], int]:
-    """The column and the kind of the result of an operation of the Jacobian."""
     try:
         found = operation(*operands)
     except PrecisionLoss:

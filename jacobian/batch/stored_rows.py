@@ -129,9 +129,7 @@ class StoredRows:
         return x
 
     def _add_special(self, operands: Sequence[Rows], out: Rows, chosen: Any) -> None:
-        """Writes the sums of two operands, or the double of one, to the rows of ``out`` whose indices are in
-        ``chosen``.
-        """
+        """Writes the sums of two operands, or the double of one, to the rows of ``out`` with the indices ``chosen``."""
         raise NotImplementedError
 
     # --- storage
@@ -219,7 +217,6 @@ class StoredRows:
         ]
 
     def _room(self) -> Any:
-        """Scratch memory for three polynomials modulo some u."""
         return self.memory(3, self.genus)
 
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:

@@ -22,7 +22,7 @@ def field(K: Any) -> str:
 
 
 def polynomial(K: Field, a: poly.Poly, variable: str = "x") -> str:
-    """A polynomial, the highest power first."""
+    """A polynomial as LaTeX, the highest power first."""
     written = re.sub(r"\^(\d+)", r"^{\1}", poly.text(K, a, variable)).replace("·", " ").replace("j", "i")
     written = re.sub(rf"({_INT})/({_INT})", r"\\tfrac{\1}{\2}", written)
     written = re.sub(r"…(\d+)\[(\d+) digits\]", r"\\ldots \1_{[\2\\,\\mathrm{digits}]}", written)

@@ -55,7 +55,7 @@ def _candidates(p: int, degree: int) -> Iterator[list[int]]:
     alpha = _generator(p, degree)
     pi = fmpz_poly([1])
     for t in range(1, (degree + 1) // 2):
-        # α_t is α at ζ^(1/t)
+        # the factor α_t of π is α with ζ^(1/t) in place of ζ
         pi = pi * alpha(x ** pow(t, -1, degree)) % cyclotomic
     for _ in range(degree):
         pi = pi * x % cyclotomic

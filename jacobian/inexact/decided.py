@@ -43,7 +43,7 @@ Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Total, Any]]
 
 
 class Question(NamedTuple):
-    """A number that a pass compared with zero.
+    """A number that a :class:`Pass` compared with zero.
 
     ``of_degree``: whether the answer decides a degree; otherwise it decides whether points are opposite.
     """
@@ -91,7 +91,7 @@ class Passes:
     """The passes that compute one sum of pairs (u, v), to be used inside ``with digits:``.
 
     The pairs belong to y² + 2·half·y = curve − half², and are moved to Y² = curve with Y = y + half. ``even``: whether
-    neither the points nor the coefficients of the curve are of very different sizes. ``law(field, curve, pairs)``
+    the points have similar sizes, and the coefficients of the curve too. ``law(field, curve, pairs)``
     returns a sum and the largest remainder of its divisions.
     """
 
@@ -142,7 +142,7 @@ class Passes:
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
         """The summands with every coefficient changed at random by about ``part`` of its size, moved onto the curve.
 
-        Sizes count as at least ``floor`` times those that they would be if all points were as large as the largest.
+        Each coefficient counts as at least ``floor`` times as large as if all points were as large as the largest.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]
@@ -161,7 +161,7 @@ class Passes:
 
 
 class Compared(NamedTuple):
-    """Three passes with the same answers, from different summands.
+    """Three passes that compute one sum and count the same quantities as zero, from different summands.
 
     ``first``: the summands themselves; ``near``: the summands moved in the last working bits; ``rounded``: the summands
     moved as far as the field's rounding moves a sum.

@@ -221,7 +221,9 @@ def _second_polynomial(
 def _reduction_step(
     field: Any, f: Coefficients, u: Coefficients, v: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Coefficients, int]:
-    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the change of the lean."""
+    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the change of its lean
+    (:mod:`jacobian.inexact.at_infinity`).
+    """
     scale = max(size(v), size(f) ** 0.5)
     v = list(v)
     while v and field.is_zero(v[-1], scale):

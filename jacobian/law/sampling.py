@@ -123,8 +123,8 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
             break
     threshold = random_below(rng, 1 << degree)
     u = poly.random(K, degree, rng, monic=True)
-    # u has at most 2^r polynomials v, r the number of its irreducible factors. Their degree is 1 or at least 2, so the
-    # number of linear factors bounds r: enough to reject most u without a complete factorization
+    # u has at most 2^r polynomials v, r the number of its irreducible factors. Factors that are not linear have degree
+    # 2 or more, which bounds r: enough to reject most u without a complete factorization
     if degree > 1:
         linear = len(linear_part(K, u)) - 1
         if 1 << (linear + (degree - linear) // 2) <= threshold:

@@ -210,7 +210,7 @@ def _lifted(p: int, forms: tuple[list[int], list[int]], matrix: Matrix, height: 
     top = next(i for i, c in enumerate(F) if c % p)
     numbers = [*matrix, moved[top] * pow(F[top], -1, p) % p]
     slopes = _slopes(G, size, matrix)
-    # the unknowns are the three entries other than the fixed 1, and λ
+    # the unknowns are the three entries other than the fixed 1, and the factor c in (the transformed G) = cF
     system = [[*(slopes[i][j] % p for i in free), -_entry(F, j) % p] for j in range(size + 1)]
     while modulus <= 2 * height**2 * p:
         found = _fractions(numbers[:4], modulus)

@@ -41,7 +41,7 @@ class Family:
         return poly.mod(self.field, a, self.u)
 
     def times(self, a: poly.Poly, b: poly.Poly) -> poly.Poly:
-        """The product in A."""
+        """The product a·b in A = K[t]/u."""
         return self.reduced(poly.mul(self.field, poly.trim(self.field, a), poly.trim(self.field, b)))
 
     def over(self, a: poly.Poly, b: poly.Poly) -> poly.Poly | None:
@@ -76,7 +76,7 @@ class Family:
         return poly.trim(K, poly.add(K, poly.sub(K, first, poly.scale(K, b, mixed)), poly.scale(K, c, last)))
 
     def trace(self) -> poly.Poly | None:
-        """The polynomial V, by a linear system; None if the U_t for both roots t of u have a common root."""
+        """The V over K with V ≡ V_t modulo U_t, by a linear system; None if the U_t of both t have a common root."""
         K, size = self.field, len(self.modulus) - 1
         columns, power = [], [(K.one,), *[()] * (size - 1)]
         for _ in range(2 * size):

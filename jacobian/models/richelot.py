@@ -67,7 +67,7 @@ class RichelotIsogeny(Immutable):
         factor = family.over(poly.mul(L, g1, move((self.determinant,))), v)
         if factor is None or not family.set_modulus(form):
             return None
-        # V_t = D·G₁(t)/v(t) · H₁(X)(t − X)
+        # V_t = D·G₁(t)/v(t) · H₁(X)(t − X) with D = ``determinant``
         rising = [family.times(family.generator, x) for x in h1]
         cubic = [poly.sub(L, x, y) for x, y in zip([*rising, ()], [(), *h1], strict=True)]
         family.set_value([family.times(factor, c) for c in cubic])

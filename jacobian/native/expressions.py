@@ -327,7 +327,7 @@ class Expressions(Operators):
             self.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
-        """A slice of a flat array, as a view of the same memory, or of a tuple, from an index known at compile time."""
+        """A slice of a flat array, a view of the same memory; or a tuple's items from an index known when compiling."""
         if isinstance(row.kind, TupleKind) and part.lower is not None and part.upper is None and part.step is None:
             return together([row.item(i) for i in range(self.value(part.lower).known(), len(row.kind.items))])
         if not isinstance(row.kind, ArrayKind) or row.kind.ndim != 1 or part.step is not None:

@@ -180,7 +180,7 @@ class Statements(Expressions):
         self.lines.append(f"  ret {returned} {row}")
 
     def give_back_lanes(self, value: Value) -> None:
-        """Records the results of the lanes in the mask until all lanes have returned."""
+        """Writes a return from the lanes in the mask alone: their results are kept until all lanes have returned."""
         if value.kind is NONE or value.kind != abreast(value.kind):
             self.result = abreast(value.kind)
             raise _Wider

@@ -126,7 +126,7 @@ def product_of_words(x: Any, y: Any) -> Any:
 def inverse(K: Any, x: Any) -> Any:
     """1/x = x^(2^n − 2) for a word x ≠ 0 (Itoh and Tsujii 1988).
 
-    x^(2^k − 1) is computed for those k in turn whose binary digits are the first digits of n − 1.
+    x^(2^k − 1) is computed in turn for the numbers k that the first, the first two, … binary digits of n − 1 form.
     """
     bit = 1
     while 2 * bit < K.degree:

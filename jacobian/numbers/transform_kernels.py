@@ -32,7 +32,7 @@ def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, o
 
 
 def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """Four times the inverse of :func:`_split`; the arguments are 1/W, 1/W' and 1/W''."""
+    """Four times the inverse of :func:`_split`; ``outer``, ``inner``, ``other`` are the 1/W, 1/W', 1/W'' there."""
     b0, b2 = Q.dot(c0 + c1, 1.0), Q.dot(c2 + c3, 1.0)
     b1, b3 = Q.dot(c0 - c1, inner), Q.dot(c2 - c3, other)
     return b0 + b2, b1 + b3, Q.dot(b0 - b2, outer), Q.dot(b1 - b3, outer)

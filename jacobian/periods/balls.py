@@ -24,7 +24,8 @@ from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums, plus
 
-# the error bound is tried with ellipses of these fractions of the largest possible ρ, which is at most MOST_RHO
+# the error bound is tried on ellipses of the semi-axis cosh ρ, with ρ one of these fractions of the largest ρ for which
+# no singularity is inside, up to MOST_RHO
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
 # a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to the

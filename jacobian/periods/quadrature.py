@@ -137,7 +137,7 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
 
 
 def ellipse(u: complex) -> float:
-    """log₁₀ r for the ellipse with foci ±1 through u."""
+    """log₁₀ of the sum of the semi-axes of the ellipse with foci ±1 through u."""
     root = cmath.sqrt(u * u - 1)
     return math.log10(max(abs(u + root), abs(u - root)))
 
@@ -185,7 +185,7 @@ def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
     """The digits per node of Fejér's rule on the path from ``start`` to ``target``.
 
-    The singularities of the integrand in s are ±√((e − start)/(target − start)).
+    In s, x = start + (target − start)s², singularities are ±√((e − start)/(target − start)) for e in ``others``.
     """
     if abs(target - start) < 1e-14 * scale:
         return 16.0

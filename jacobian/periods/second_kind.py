@@ -40,7 +40,7 @@ def polynomials(cover: BranchedCover) -> Matrix:
 
 
 def second_kind(P: PeriodMatrix) -> SecondKind:
-    """The periods of ρ_1 … ρ_g along the cycles of a PeriodMatrix, in its arithmetic: floats, many digits or balls."""
+    """The differentials ρ_1 … ρ_g of the second kind, and their periods along the cycles of P, in its arithmetic."""
     cover, g = P.cover, P.cover.genus
     with cover.numbers.working():
         rows = polynomials(cover)

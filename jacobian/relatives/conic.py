@@ -175,7 +175,7 @@ def representative(D: Divisor, point: Given) -> Representative:
     rest = D - (J(point, INFINITY_MINUS) if C.model == "split" else J(point))
     if rest.degree < C.genus:
         raise NotRepresentable(f"point = {shown(point)}: the member through it has a point at infinity, choose another")
-    # y = v passes through Q and the points of ``rest``, and is tangent to the curve at a point that occurs twice
+    # y = v passes through ``point`` and the points of ``rest``, tangent to the curve at a point that occurs twice
     u, v, _ = cantor.compose(C, (rest.u, rest.v, None), ((K.neg(point.x), K.one), poly.trim(K, (point.y,)), None))
     if len(u) != C.genus + 2:
         raise NotRepresentable(

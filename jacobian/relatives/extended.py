@@ -262,7 +262,7 @@ class ExtendedGroup(Immutable):
 
 
 class Lift(NamedTuple):
-    """The kind of datum (κ, σ, ν) at a branch point e."""
+    """The kind of datum (κ, σ, ν) at a branch point e: κσ² = U(e), κσν = V(e)."""
 
     e: Any
 
@@ -276,7 +276,7 @@ class Lift(NamedTuple):
 
     def nearest(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
         """The datum with σ after a Newton step for κσ² = U(e), and ν = V(e)/(κσ). If U(e) is nearly 0, ν takes a step
-        for κν² = −W(e), and σ = V(e)/(κν). If W(e) is nearly 0 too, the datum is returned unchanged.
+        for κν² = −W(e), W = (f − V²)/U, and σ = V(e)/(κν). If W(e) is nearly 0 too, the datum is returned unchanged.
         """
         K, e, (kappa, sigma, nu) = group.field, self.e, datum
         value, ordinate = (poly.evaluate(K, a, e) for a in (D.u, D.v))
@@ -291,7 +291,7 @@ class Lift(NamedTuple):
         return kappa, sigma, nu
 
     def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
-        """The same datum as (κ/c², cσ, cν)."""
+        """(κ/c², cσ, cν), which is the same lift as the datum (κ, σ, ν)."""
         K, (kappa, sigma, nu) = group.field, datum
         return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, nu)
 
@@ -394,7 +394,7 @@ class SecondKind(NamedTuple):
         return group.field.add(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
+        """Ω after a reduction: Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
         K, g = group.field, group.genus
         if step.degree == g + 1:
             return K.sub(datum, K.div(poly.integer(K, 2), step.lead))

@@ -114,7 +114,7 @@ def _exponents(reductions: list[Subgroups]) -> dict[int, list[int]]:
 def _grow(group: PrimaryGroup, reductions: list[Subgroups]) -> None:
     """Enlarges ``group`` to all rational classes of ℓ-power order in genus 2.
 
-    They are lifted from a reduction of J modulo p ≠ ℓ to which ``group`` reduces: that with the smallest ℓ-part.
+    They are lifted from the ℓ-part of J modulo a prime p ≠ ℓ, the smallest ℓ-part to which ``group`` reduces.
     """
     known = sorted((groups[group.prime] for groups in reductions), key=lambda whole: whole.order)
     later = (sylow_subgroup(reduced, group.prime) for reduced in _reductions(group.zero.jacobian))
