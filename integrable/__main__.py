@@ -59,8 +59,8 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 
 
 def _folded(text: str) -> str:
-    """The text with long lines folded to the terminal's width; continuations of an explanation are aligned with its
-    start.
+    """The text with long lines folded to the terminal's width. In a line of a name and an explanation, the explanation
+    stays in its column.
     """
     lines, width = [], get_terminal_size((120, 24)).columns
     for line in text.splitlines():
@@ -343,7 +343,6 @@ def _ask(out: Path) -> None:
 
 
 def _line(text: str) -> None:
-    """Prints a line on stdout, above the progress bar if there is one."""
     bar = sys.modules.get("tqdm")
     if bar is None:
         print(text, flush=True)

@@ -34,9 +34,7 @@ further contexts.
 
 
 def equations(context: Any) -> tuple[Any, ...]:
-    """The kinds of equations, classes of :mod:`jacobian.addition.short`, with compiled formulas over the fields of a
-    context.
-    """
+    """The classes of short equations (:mod:`jacobian.addition.short`) whose formulas are compiled for a context."""
     if context in BINARY:
         return BinaryQuintic, BinarySextic
     return (Quintic, Sextic) if context in (OddTable, Double) else (Quintic, Sextic, Septic)

@@ -65,7 +65,7 @@ class Infeasible(JacobianError):
 
 
 class NotAMultiple(JacobianError):
-    """The requested discrete logarithm does not exist: the target is not in the group of the base."""
+    """The requested discrete logarithm does not exist: the target is no multiple of the base."""
 
 
 def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -> list[Any]:

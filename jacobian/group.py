@@ -45,7 +45,7 @@ COUNTED_AT_ONCE = 1 << 20
 class Jacobian(FiniteGroup[Element]):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
-    Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
+    Over exact fields the kernel of :mod:`jacobian.addition.choice` adds, over inexact ones
     :mod:`jacobian.inexact.composition`. On a ramified model with deg f = 2g+2 or deg h = g+1, divisors are added in the
     coordinates of ``arithmetic_model``, but always show the curve's own coordinates. On an inert model of odd genus,
     divisors have no representation (NotRepresentable), but the order of the group can be computed.
@@ -228,8 +228,6 @@ class Jacobian(FiniteGroup[Element]):
         from jacobian.arithmetic.l_polynomials import hasse_witt_matrices
 
         return hasse_witt_matrices(self.curve, bound)
-
-    # --- validation
 
     def _check_representable(self) -> None:
         if self.curve.model == "inert" and self.curve.genus % 2:

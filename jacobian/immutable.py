@@ -80,7 +80,7 @@ def _opened(initialize: Callable[..., None]) -> Any:
     @wraps(initialize)
     def __init__(self: Any, *args: Any, **options: Any) -> None:
         if hasattr(self, "_open"):
-            # the __init__ of a subclass has called this one, and its own wrapper closes the value
+            # a subclass's __init__ has called this one; the wrapper of the subclass's __init__ deletes _open at its end
             return initialize(self, *args, **options)
         _set_open(self, True)
         try:
@@ -92,8 +92,8 @@ def _opened(initialize: Callable[..., None]) -> Any:
 
 
 def at_once(initialize: Made) -> Made:
-    """Marks an ``__init__`` that sets attributes by ``vars(self)`` and so does not need ``_open``, which would double
-    its time.
+    """Marks an ``__init__`` that sets attributes by ``vars(self)``. :class:`Immutable` does not set ``_open`` for it,
+    which would double its time.
     """
     initialize._at_once = True  # type: ignore[attr-defined]
     return initialize

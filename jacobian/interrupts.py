@@ -5,8 +5,8 @@ process begins, of which Python takes 9. Python handles an earlier interrupt. Th
 
 The interrupt raises an exception in the main thread, which cleans up. But an exception raised in a callback is lost,
 in an import it may be replaced by another, and it is delayed until compiled code returns and other threads end. So a
-separate thread receives the signal too:
-it prints the line, silences later output, and ends the process when the main thread takes too long.
+separate thread receives the signal too. This thread prints the line, silences later output, and ends the process when
+the main thread takes too long.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ second.
 
 
 class _Standing:
-    """The state for interrupts: the name of the command, whether its work is ``over``, and the locks for printing."""
+    """What the handler of interrupts knows: the command's name, whether its work is ``over``, locks for printing."""
 
     name = ""
     over = False

@@ -33,9 +33,7 @@ def say() -> None:
 
 
 def beside(folder: str) -> Iterator[str]:
-    """Yields the name and the version of each distribution ``jacobian`` installed in a folder, from the file names
-    alone.
-    """
+    """Yields the name and the version of each distribution of the name ``jacobian`` in a folder, from file names."""
     try:
         names = os.listdir(folder)
     except OSError:

@@ -45,7 +45,7 @@ def _ascending(values: Any) -> Any:
     system = type(values).__module__.split(".")[0]
     if system in ("galois", "flint") and hasattr(values, "coeffs"):
         return values.coeffs[::-1] if system == "galois" else values.coeffs()
-    # PARI writes a constant polynomial as a number, which only seems to be iterable
+    # in PARI a constant polynomial is a number, whose object has __iter__ but cannot be iterated
     pari = system.startswith("cypari") and values.type() in ("t_POL", "t_INT", "t_FRAC", "t_INTMOD")
     return list(values.Vecrev()) if pari else values
 
@@ -270,7 +270,7 @@ def from_roots(K: Arithmetic[Element], roots: Iterable[Element]) -> Poly[Element
 
 
 def through(K: Arithmetic[Element], points: Sequence[tuple[Element, Element]]) -> tuple[Poly[Element], Poly[Element]]:
-    """(Π (x − x_k), the line through both points as two coefficients) for points (x_k, y_k) with x_1 ≠ x_2."""
+    """Π (x − x_k), and the coefficients of the line through both points, for two points (x_k, y_k) with x_1 ≠ x_2."""
     (x1, y1), (x2, y2) = points
     slope = K.div(K.sub(y1, y2), K.sub(x1, x2))
     return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), (K.sub(y1, K.mul(slope, x1)), slope)
@@ -297,7 +297,7 @@ def power_mod(K: Arithmetic[Element], a: Poly[Element], exponent: int, m: Poly[E
 
 
 def text(K: Arithmetic[Element], a: Sequence[Element], variable: str = "x") -> str:
-    """``a`` as a formula, the highest power first; long numbers show their ends (:func:`jacobian.errors.written`)."""
+    """``a`` as a formula, the highest power first; numbers are shortened as by :func:`jacobian.errors.written`."""
     terms = []
     for i in range(len(a) - 1, -1, -1):
         c = a[i]

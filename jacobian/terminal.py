@@ -78,6 +78,6 @@ class CommandParser(argparse.ArgumentParser):
 
 
 def _shallow(usage: str) -> str:
-    """The usage; if it is wider than the terminal, its further lines are indented by four."""
+    """The usage; if it is wider than the terminal, all lines after the first are indented by four."""
     wide = max(map(len, usage.splitlines())) > get_terminal_size().columns
     return re.sub(r"\n +", "\n    ", usage) if wide else usage

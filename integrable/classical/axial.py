@@ -72,7 +72,7 @@ class AxialSystem(SurfaceSystem):
     def _separation(self, N: FormulaField, state: Point) -> Separation:
         """The differentials of the action and of the angle about the vertical.
 
-        p dq without the angle is z' dz/(1 − z²). The angle grows at the rate w + ½m₁/(1 − z) − ½m₂/(1 + z).
+        p dq without the angle's part is z' dz/(1 − z²). The angle grows at the rate w + ½m₁/(1 − z) − ½m₂/(1 + z).
         """
         axis, vertical = self._axis(N, state), (N.one, -N.one)
         (m1, m2), action = axis.m, Form(poly.neg(N, self._curve(N, state)), vertical)
@@ -153,8 +153,8 @@ def state_of(axis: Vector, rate: Vector, top: Vector | None) -> Point:
 def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
     """The angular momentum of a top with this axis and its rate; ``top`` is that of :meth:`AxialSystem._top`.
 
-    M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²). The first times z² plus the second times 1 − z²
-    is a formula without divisions.
+    With axis = (Re g, Im g, z) and top = (jc, L, c), M_1 + iM_2 is (g' + ijcg)/(iz), and also g(L − cz + iz')/(1 − z²).
+    The first times z² plus the second times 1 − z² is a formula without divisions.
     """
     (x, y, z), (dx, dy, dz), (turn, along, c) = axis, rate, top
     rest = along - c * z
@@ -162,7 +162,7 @@ def momentum(axis: Vector, rate: Vector, top: Vector) -> Vector:
 
 
 def branches(m: Real) -> bool:
-    """Whether the end z = ±1 of the axis's path is a branch point, which it is if its constant m, m₁ or m₂, is 0.
+    """Whether the end z = 1 or −1 is a branch point: whether its constant ``m``, which is m₁ or m₂, is 0.
 
     PrecisionLoss if m is an enclosure that contains 0 and other numbers.
     """

@@ -21,7 +21,7 @@ from jacobian.numbers.abreast import abreast
 Row = Any
 Triple = tuple[Real, Real, Real]
 
-# length of a row of the table of series
+# length of a row of ``AxialThetas.table``
 SERIES = 8
 
 

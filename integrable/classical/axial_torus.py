@@ -36,8 +36,8 @@ from jacobian.numbers.double_double import double_double_row
 BITS, FEWER_BITS = 400, 180
 # largest number of Newton steps from a root in floats
 NEWTON_STEPS = 8
-# a gap below LOST times the spread of the roots has no correct digits; a swing x₂ − x₁ below NOTHING times the other
-# gaps has no effect on states in floats
+# gaps between the roots of f and ±1 (:class:`Gaps`) have no correct digits below LOST times the spread of the roots. A
+# swing x₂ − x₁ below NOTHING times the other gaps has no effect on states in floats
 LOST, NOTHING = 2.0**-130, 2.0**-90
 Arrays = tuple[np.ndarray, ...]
 
@@ -62,7 +62,7 @@ class AxialTorus(FarTimes):
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Two times, more than a period after and before the start, for a comparison with another method."""
+        """Two times for a comparison of methods: more than a period after the start, and more than a period before."""
         return np.array(TURNS) / (self._nods or self._turns or 1.0)
 
     def at(self, times: np.ndarray) -> np.ndarray:
@@ -98,7 +98,7 @@ class AxialFlow(MumfordFlow):
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 
         def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
-            """(z, z', g, g') for C = 1, at points of the torus; ``turned`` is the angle δ there."""
+            """(z, z', g, g'): the axis' height z, its horizontal part g for C = 1 and δ = ``turned``, and rates."""
             u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z
@@ -144,7 +144,7 @@ class Gaps(NamedTuple):
 
     @staticmethod
     def of(N: LongField, f: poly.Poly) -> Gaps:
-        """The gaps of a cubic with leading coefficient 2, f(±1) ≤ 0."""
+        """The gaps of a cubic f with leading coefficient 2 and f(±1) ≤ 0."""
         mean, slope = -f[2] / 6, f[1] / 2
         square, cube = mean * mean - slope / 3, mean**3 - mean * slope / 2 - f[0] / 4
         if not square > 0:
@@ -197,7 +197,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
     table: list[Real] = []
     for n, (one, other) in enumerate(zip(first, second, strict=True)):
         table += [*one, *(x if n % 2 == 0 else -x for x in other), *thetas[4 * n : 4 * n + 4]]
-    # z − x₁ is R₁², and z' is √2·R₁R₂R₃
+    # these are factors of the roots R_k of :class:`EllipticOval`, for which z − x₁ = R₁² and z' = √2·R₁R₂R₃
     height = oval.factors[0] ** 2
     slope = N.sqrt(N.coerce(2)) * oval.factors[0] * oval.factors[1] * oval.factors[2]
     half = half_turn()
@@ -206,7 +206,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
 
 
 def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: Axis) -> Sequence[Real]:
-    """``numbers`` with the entry C of a motion that starts at ``axis``; before, this entry is 1."""
+    """The ``numbers`` of :class:`AxialThetas` with C = 1, changed to the C of a motion that starts at ``axis``."""
     import gmpy2
 
     (x, y, _), (dx, dy, _) = axis_at(AxialThetas(numbers, table, _long_inverse(), False), N.zero)

@@ -39,7 +39,7 @@ class Ellipsoid(SurfaceSystem):
     """Geodesics on Σx_i²/a_i = 1, len(a) ≥ 2; the a_i are different, and positive over real fields.
 
     A state is a point q and a tangent vector p there. Time is length divided by |p|. With |p| = 1,
-    ``flow(state).at(lengths)`` are the ends of geodesics of these lengths, in the unit of √a: the direct problem.
+    ``flow(state).at(lengths)`` are the ends of geodesics of these lengths in the unit of √a (geodesy's direct problem).
     """
 
     _constraint_names = ("Σq_i²/a_i = 1", "Σq_i p_i/a_i = 0", "p ≠ 0")
@@ -60,7 +60,7 @@ class Ellipsoid(SurfaceSystem):
         slope = N.dot(q, p)
         mixed = self._sums(N, [x * y for x, y in zip(q, p, strict=True)])
         v = tuple(x - slope * y for x, y in zip(mixed[:-1], u, strict=False))
-        # the sum is x times a polynomial, since its constant coefficient is 0 by the constraints
+        # by the constraints Π(x − a_i)·ΣF_i/(x − a_i) vanishes at x = 0; ``rest`` is this polynomial divided by x
         rest = self._sums(N, self._momenta(N, state))[1:]
         f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
         return all_of(N, (f, u, v), self.size - 1)
@@ -109,8 +109,8 @@ class Ellipsoid(SurfaceSystem):
         """The state after a step that agrees with the motion for a time ``h`` to second order and preserves the
         integrals.
 
-        It is the :meth:`step` of the λ < 0 for which q + hp is on the ellipsoid Σy_i²/(a_i − λ) = 1; h < 0 is a step
-        back.
+        It is the :meth:`step` by a point (λ, μ) with the λ < 0 for which q + hp is on the quadric Σy_i²/(a_i − λ) = 1.
+        h < 0 is a step back.
         """
         step = self._time_step(h)
 

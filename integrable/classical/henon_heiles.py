@@ -26,7 +26,7 @@ from jacobian.fields.protocol import Field, check_field
 class HenonHeiles(QuadricSystem):
     """The Hénon–Heiles system of q = (q_0, q_1 … q_n), n = len(a) ≥ 1, with different a_i and α ≠ 0.
 
-    ``barriers`` are the l_i, by default all 0.
+    ``barriers`` are the l_i in the terms ½l_i²/q_i² of H, by default all 0.
     """
 
     sign = -1

@@ -19,7 +19,7 @@ from jacobian.linear import pivoted
 
 # the search ends at a residual of LAST rounding units or after MOST steps, each halved at most HALVINGS times
 LAST, MOST, HALVINGS = 64, 60, 8
-# allowed relative distance of a point from the ellipsoid
+# largest |Σx_i²/a_i − 1| of a point x that is projected onto the ellipsoid
 OFF = 1e-6
 
 
@@ -28,8 +28,8 @@ def joining(ellipsoid: Ellipsoid, first: Iterable[Value], last: Iterable[Value])
     geodesic.
 
     The search starts in the direction of the chord and finds the shortest geodesic, unless the points are nearly
-    opposite. Points are projected radially onto the ellipsoid. PrecisionLoss if no geodesic is found; ArgumentError
-    for a point off the ellipsoid, or for the same point twice.
+    opposite. Points near the ellipsoid, |Σx_i²/a_i − 1| ≤ 1e-6, are projected onto it radially. PrecisionLoss if no
+    geodesic is found; ArgumentError for a point farther off, or for the same point twice.
     """
     if not isinstance(ellipsoid, Ellipsoid):
         raise ArgumentError(f"ellipsoid = {shown(ellipsoid)}: an Ellipsoid is needed")
@@ -85,7 +85,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Real], chord: Sequence[Real]) ->
                 part = K.dot(rest, e)
                 rest = [x - part * y for x, y in zip(rest, e, strict=True)]
         length, whole = (K.sqrt(K.dot(x, x)) for x in (rest, given))
-        # the remainder of at least one unit vector is this long
+        # while the basis is incomplete, the remainder of some unit vector is longer than 1/(2·size)
         if length > whole / (2 * size) and len(basis) < size:
             basis.append([x / length for x in rest])
     return basis[1:]

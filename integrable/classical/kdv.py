@@ -282,7 +282,7 @@ class Wave:
         return self._motion.row(x, read, digits, further=(t,), lost=self._lost(x, t))
 
     def _lost(self, x: Real, t: Real) -> int:
-        """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge n.
+        """A bound on the bits lost between (0, 0) and (x, t) because of a narrow band or double edge at n.
 
         Between these points U(n) = ψ² may shrink. By −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ, log ψ changes at
         rates of at most κ in x and about max|2u + 4n|κ in t, κ² = max|u − n|. Rounding keeps U(n) from falling below

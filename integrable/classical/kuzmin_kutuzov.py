@@ -111,7 +111,7 @@ class KuzminKutuzov(MumfordSystem):
             raise NotRepresentable("E ≥ 0: this star is unbound, and its far motion lies on no torus")
         still, time = (N.zero, N.one), (N.zero, -c * c, N.zero, N.one)
         action = Form((N.zero, *self._quartic(N, state)), (a, -a))
-        # at L = 0 a is a branch point, and the azimuth does not change
+        # if L = 0, the point s = a is a branch point, and the azimuth does not change
         turn = Form((N.zero,)) if along == 0 else Form(poly.scale(N, along, time), (a, -a))
         known = (c, -c) if along != 0 else (c, -c, a, -a)
         return Separation([Form(still), Form(time)], (N.zero, N.one), action, [(turn, N.zero)], (along,), known)
@@ -133,11 +133,11 @@ class KuzminKutuzov(MumfordSystem):
         return Start(f, u, v, self._direction(N, 2), [Lift(e) for e, *_ in moved], tuple(data))
 
     def _back(self, N: FormulaField, start: Point, D: Extended, time: Real) -> Point:
-        """The state of ``D``, whose data are the lifts of :meth:`_start`, and cos and sin of the azimuth's growth."""
+        """The state of ``D``, whose data are the lifts of :meth:`_start`, and cos and sin of the azimuth's change."""
         *lifts, (cosine, sine) = D.data
         (a, c), (x, y), turn, spin = self._constants_in(N), self._ahead(N, start), D.v[1] / D.u[1], N.zero
         if len(lifts) == 1:
-            # for L ≠ 0 R never vanishes, and its lift is a positive root
+            # if L ≠ 0, the star never meets the axis R = 0, and the lift σ at s = a is a positive root
             sigma = N.sqrt(-(self._side * poly.evaluate(N, D.u, a)))
             lifts.append((-self._side, sigma, -(self._side * poly.evaluate(N, D.v, a)) / sigma))
             spin = self._integrals(N, start)["L"] / (sigma * self._scales(N, D.u, a)[1])

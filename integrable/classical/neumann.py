@@ -76,8 +76,8 @@ class Neumann(SurfaceSystem, QuadricSystem):
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = −1/h², which agrees with the motion for a time ``h`` to second order;
-        h < 0 is a step back.
+        """The state after the :meth:`step` by a point with λ = −1/h², which agrees with the motion for a time ``h`` to
+        second order; h < 0 is a step back.
         """
         genus = self.size - 1
         step = self._time_step(h)

@@ -43,7 +43,6 @@ class SphericalPendulum(AxialSystem):
         return *state.p, tension * x, tension * y, tension * z - 1, 3 * state.p[2]
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
-        """The integrals h and L."""
         q, p = state
         return {"h": N.dot(p, p) / 2 + q[2], "L": q[0] * p[1] - q[1] * p[0]}
 

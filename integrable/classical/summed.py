@@ -18,7 +18,7 @@ from jacobian.inexact.long_field import LongField
 class SummedFlow(MumfordFlow):
     """The motion, at any times, of a state whose pair has one point in each of g ovals."""
 
-    # states in long numbers are computed from the same sums, so their ``way`` is TORUS too
+    # states in long numbers are computed by sums over the ovals, as those in floats are, so their ``way`` is TORUS too
     _long_way = TORUS
 
     def _budget(self, count: int) -> float:

@@ -94,7 +94,7 @@ class TodaLattice(MumfordSystem):
         return (*[N.zero] * (genus - 1), poly.integer(N, -1))
 
     def _action(self, N: FormulaField, state: Point) -> Form:
-        """The form −x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ."""
+        """The form −x dμ/μ = −xΔ' dx/y, where μ + 1/μ = Δ, the trace of L_n⋯L_1."""
         return Form((N.zero, *poly.neg(N, poly.derivative(N, self._trace(N, state)))))
 
     def _vector_field(self, N: FormulaField, state: Point) -> Point:
@@ -122,7 +122,7 @@ class TodaLattice(MumfordSystem):
         return {"trace": self._trace(N, state), "H": energy}
 
     def _trace(self, N: FormulaField, state: Point) -> poly.Poly:
-        """Δ = A + D."""
+        """The trace Δ = A + D of the matrix of :meth:`_transfer`."""
         (a, _), (_, d) = self._transfer(N, state)
         return poly.add(N, a, d)
 
@@ -153,8 +153,8 @@ class TodaLattice(MumfordSystem):
         return p, links
 
     def discrete(self, state: Point, h: Value) -> Point:
-        """The state after the :meth:`step` of λ = 1/h, which agrees with the motion for a time ``h`` to first order.
-        The motion of the centre of mass is exact.
+        """The state after the :meth:`step` by a point with λ = 1/h, which agrees with the motion for a time h to first
+        order. The motion of the centre of mass is exact.
         """
         step = self._time_step(h)
         new = self.step(state, self.curve_point(state, 1 / step))

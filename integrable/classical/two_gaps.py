@@ -69,7 +69,6 @@ class TwoGaps(MumfordSystem):
         )
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
-        """The integrals s_4 and s_5."""
         u = state.q[0]
         (F, F1, F2), (G, G1, G2) = self._jets(N, state)
         return {

@@ -129,7 +129,7 @@ class OnCurves(ManyDigits):
 
     def __init__(self, system: Hamiltonian, state: State, made: type[CurvesCarrier]) -> None:
         self._system, self._state, self._made = system, state, made
-        # carrier_of, called here, reads the attribute
+        # carrier_of, called in the next line, reads ``digits``
         self.digits = long_digits(system.field)
         super().__init__(self.digits, self.carrier_of(self.digits))
 
@@ -141,7 +141,7 @@ class OnCurves(ManyDigits):
         return super().settled(times, inside)
 
     def carrier_of(self, digits: int) -> CurvesCarrier:
-        """The motion with that many digits, or more if its point at τ = 0 does not reproduce the state."""
+        """The motion with ``digits`` digits, or more if its point at τ = 0 does not reproduce the state."""
         for _ in range(3):
             with LongField(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))

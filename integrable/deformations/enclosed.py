@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
     from integrable.phase.enclosure import Row
 
-# step relative to the radius of the disc; close to e⁻², which needs the fewest products
+# a step relative to the radius of the disc of complex times where Picard's theorem bounds the motion; the fraction e⁻²
+# would need the fewest products
 STEP = 0.125
 MOST_STEPS = 4_000
 KNOWN_FROM = 16
@@ -65,7 +66,7 @@ def enclosed_states(system: Hamiltonian, state: State, given: list[Real], digits
 
 def _narrow(system: Hamiltonian, state: State, times: list[Real], digits: int, in_tau: bool) -> list[Row]:
     """The rows at times of one sign in ascending size, computed with as many bits as they need."""
-    # balls lose bits with time; the bits by which M outgrows its unit, |M| at the start, do not grow with time
+    # the number of bits lost to the growth of M beyond |M| at the start is independent of the time; other losses grow
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS, in_tau).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
@@ -95,11 +96,11 @@ class _March:
             wide = system.over(balls)
             start = onto_constraints(wide, state)
             rolls, zero = system.body.rolls, wide.field.zero
-            # the variable after γ and M is τ at d ≠ 0, or t if the motion is in τ
+            # if d ≠ 0, a variable follows γ and M: τ, or t if the motion is in τ
             self._point = [*start.row, *([zero] if rolls else [])]
             self._finds_tau = rolls and not in_tau
             self._tape = recorded(right_hand_sides(wide, physical=not in_tau), len(self._point))
-            # a start at rest gives no unit for M
+            # the unit of M is |M| at the start, or 1 for a start at rest
             M = start.vectors[1]
             self._momentum = wide.field.dot(M, M).sqrt() if any(state.vectors[1]) else wide.field.one
             self._now = zero
@@ -132,7 +133,7 @@ class _March:
         return found
 
     def left(self, end: Real) -> float:
-        """The time that remains until ``end``, divided by the time reached."""
+        """|``end``| divided by the distance of the time reached from 0."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Real) -> None:
@@ -204,7 +205,7 @@ class _March:
         return max(float(self._momentum), (pull * now / turning) ** 0.5 if turning else 0.0)
 
     def _disc(self, radius: float) -> tuple[float, list[arb]]:
-        """(radius, reach) of a disc of complex times on which the motion exists by Picard's theorem."""
+        """(radius, reach): for complex times up to ``radius`` the motion exists and moves by at most ``reach``."""
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]

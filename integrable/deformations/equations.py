@@ -22,8 +22,8 @@ from jacobian import RR
 from jacobian.element import Real
 from jacobian.immutable import made_once
 
-# microseconds for the set-up and for each state: by theta functions, without and with repelling poles, and by
-# integration (python -m benchmarks near)
+# microseconds for the set-up and for each state: by theta functions, without potential and with repelling poles
+# b_i/γ_i² in it, and by integration (python -m benchmarks near)
 BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 1), Cost(450, 1), Cost(150_000, 0)
 
 

@@ -41,7 +41,7 @@ class Gyroscopic(Deformation):
     def motion(self, q: Scalars) -> RateTerms:
         """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ].
 
-        The coefficients omit the terms with c/2, which :meth:`omega_at` and :meth:`rates_at` add.
+        Letters are those of :class:`Scalars`. The terms with c/2 are added by :meth:`omega_at` and :meth:`rates_at`.
         """
         c = self._constants()(self.c)
         return RateTerms(1, -q.s, 0, c * c / 4 - q.m2)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class _Finite:
-    """A context that turns a division by a vanishing γ_i, s or 1 − ds into NotRepresentable."""
+    """A context that turns a Hamiltonian's division by 0, where γ_i, s or 1 − ds vanishes, into NotRepresentable."""
 
     def __enter__(self) -> None:
         pass

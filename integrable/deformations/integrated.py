@@ -35,7 +35,7 @@ STEP_DIGITS = 2
 LOST_DIGITS = 3
 # a step of derivatives has VARIED_DIGITS guard digits, which all steps together may lose
 VARIED_DIGITS = 6
-# rates within 2^±USUAL are not rescaled, which saves one product per rate
+# time is not rescaled if the fastest rate is from 2^−USUAL to 2^USUAL, which saves one product per rate
 USUAL = 10
 # the sizes of H and K are found from this relative change of coordinates, which changes K even at a double zero of K
 PART = 1.2345e-4
@@ -79,7 +79,7 @@ class IntegratedMotion(HamiltonianMotion):
 
 
 class IntegratedStates(Integration):
-    """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 τ or t is integrated too."""
+    """The states of an IntegratedMotion, rounded to the field of ``system``, and their τ or t if d ≠ 0."""
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         self._field, self._asked = system.field, long_digits(system.field)
@@ -127,8 +127,8 @@ class IntegratedStates(Integration):
         columns = [self._varied(times, inputs.numbers, k) for k, size in enumerate(inputs.sizes) if size]
         (_, first), *found = (np.split(rows, 2) for rows in np.stack(columns, axis=2))
         begin = np.array(self._system.vector_field(self._state).row)
-        # ``first``, the matrix at time 0, is the derivative of the projection onto the constraints. It is the identity
-        # on tangent vectors only to the digits to which the state meets these; one step solves first·x = begin
+        # ``first``, the matrix at time 0, is the derivative of the projection onto the constraints. On tangent vectors
+        # it is the identity up to the error e of the state's constraints. The next line solves first·x = begin up to e²
         begin = begin + (begin - first[:, :6] @ begin)
         for time, (rows, matrix) in zip(given, found, strict=True):
             rates = np.array(self._system.vector_field(state_of_row(rows[:, 0].tolist())).row)
@@ -164,8 +164,8 @@ class IntegratedStates(Integration):
     def _exponent(self) -> int:
         """The exponent of the unit of time, 2^−exponent, in which the equations are integrated.
 
-        In one such unit of time γ moves by about 1, however fast or slow it is. In other units the coefficients of
-        order 20 and more, which grow as powers of the rate, would exceed the range of floats.
+        In one such unit of time γ moves by about 1; the exponent is 0 if γ moves by 2^−USUAL to 2^USUAL in a unit of t.
+        Without this unit the coefficients of order 20 and more, powers of the rate, could exceed the range of floats.
         """
         context, rate = self._system.field.context, self._system.vector_field(self._state)
         # for a body at rest γ̈ is of the size of Ṁ divided by a moment

@@ -37,7 +37,7 @@ class Check(IsometricDeformation):
     """
 
     def isometry(self) -> Isometry:
-        """The isometry to the tilde pair of A⁻¹: B² = A, H = −e3·H̃."""
+        """The :class:`Isometry` to the tilde pair of A⁻¹: B² = A and ``factor`` = −e3, with e3 = a1·a2·a3."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
@@ -64,7 +64,7 @@ class Check(IsometricDeformation):
         return energy
 
     def motion(self, q: Scalars) -> RateTerms:
-        """Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
+        """Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM], with the letters of :class:`Scalars`."""
         return RateTerms(q.s, -(q.s * q.s), -2 * q.xi, q.m1 - 2 * (q.s * q.m2))
 
 
@@ -81,7 +81,7 @@ class Hat(IsometricDeformation):
         return H, field.div(K, field.mul(a1, field.mul(a2, a3)))
 
     def isometry(self) -> Isometry:
-        """The isometry to the tilde pair of A⁻¹: B² = A^∨ = e3·A⁻¹, H = e3·H̃."""
+        """The :class:`Isometry` to the tilde pair of A⁻¹: B² = e3·A⁻¹ and ``factor`` = e3, with e3 = a1·a2·a3."""
         from integrable.deformations.tilde import Tilde
 
         K, (a1, a2, a3) = self.field, self.a
@@ -108,7 +108,9 @@ class Hat(IsometricDeformation):
         return energy
 
     def motion(self, q: Scalars) -> RateTerms:
-        """Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
+        """Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}, with the σ, τ, m1
+        and m2 of :class:`Scalars`, A^∨ = e3·A⁻¹ and α = tr A⁻¹·σ − 2τ.
+        """
         alpha, height = _alpha(q), q.m1 - q.tau * q.m2
         return RateTerms(alpha, -q.sigma - alpha * q.tau, 0, 2 * height + alpha * q.m2, q.e2 / q.e3 * height - q.m2)
 
@@ -118,5 +120,4 @@ def _alpha(q: Scalars) -> Any:
 
 
 def _slope(q: Scalars) -> Any:
-    """S = e2/e3 − τ/σ."""
     return q.e2 / q.e3 - q.tau / q.sigma

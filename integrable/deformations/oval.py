@@ -1,7 +1,7 @@
-"""Heights and rates on the two curves of a deformation; loops over bare reals are compiled for double-doubles.
+"""The heights z and the rate 1/g on the two curves of a deformation; loops are compiled for double-doubles.
 
-On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. The roots are those of
-:class:`integrable.mumford.elliptic_torus.EllipticOval`.
+On each curve Z = scale·z + shift, and ``levels`` are z at e₁, e₂ and e₃, and 1/scale. R₁, R₂ and R₃ are the square
+roots of |Z − e_i| with the signs of :class:`integrable.mumford.elliptic_torus.EllipticOval`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ Row = Any
 
 
 def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
-    """z at the roots R₁, R₂ and R₃, computed from the smallest of them."""
+    """The height z of the point with the square roots ``r`` = (R₁, R₂, R₃), computed from the smallest of them. The
+    R_i and the ``levels`` of a curve are those of the module's docstring.
+    """
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return levels[0] + r[0] * r[0] * levels[3]
     if abs(r[1]) <= abs(r[2]):
@@ -33,8 +35,7 @@ def height(levels: Sequence[Real], r: tuple[Real, Real, Real]) -> Real:
 class Pace(NamedTuple):
     """The rate dt/dτ = 1/g of a tilde pair, g² = Σ weight_k(1 + dz_k), on the torus of two ovals.
 
-    Both ``weights`` are positive, with the sum 1; ``levels`` give the heights z_k
-    (:func:`height`).
+    Both ``weights`` are positive, with the sum 1; ``levels`` give the heights z_k (:func:`height`).
     """
 
     field: LongField
@@ -49,7 +50,7 @@ class Pace(NamedTuple):
         return min(curve.period for curve in self.curves)
 
     def share(self, k: int, r: tuple[Real, Real, Real]) -> Real:
-        """weight_k(1 + dz_k) at the roots R_i on curve k."""
+        """weight_k(1 + dz_k), the term of g² from the point of curve k = 0 or 1 with the square roots ``r``."""
         return self.weights[k] * (1 + self.d * height(self.levels[k], r))
 
     def at(self, times: Sequence[Real]) -> Real:
@@ -78,8 +79,9 @@ def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int
 
 
 def paces(first: Row, second: Row, numbers: Row, table: Row) -> None:
-    """Writes 1/g to ``table``, with a row for each height in ``first`` and a column for each in ``second``, and
-    replaces each height z_k by weight_k(1 + dz_k), its share of g². ``numbers`` are d and the weights.
+    """Writes 1/g to ``table``. Its rows belong to the heights z_1 (:func:`height`) in ``first``, of points of the first
+    curve, its columns to the z_2 in ``second``. Replaces each z_k by weight_k(1 + dz_k), its share of g². ``numbers``
+    are d and the weights.
     """
     columns = len(second)
     for i in abreast(0, len(first)):

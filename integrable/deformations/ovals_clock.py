@@ -66,7 +66,7 @@ class OvalsClock(LongClock):
 
 
 def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
-    """The modes of 1/g down to 10^(−digits) of its mean, as functions of the turns on both curves since the start.
+    """The Fourier modes of 1/g down to 10^(−digits) of its mean; phases are turns on both curves since the start.
 
     The unit of τ is the shorter period.
     """
@@ -91,11 +91,11 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     """The numbers of modes of 1/g = Σ c_mn cos mθ1 cos nθ2 in both phases.
 
-    The c_mn decay as e^(−m·strip) if 1/g has no singularity at |Im θ1| < strip, and likewise in n.
+    The c_mn decay as e^(−m·strip) if 1/g has no singularity at |Im θ1| < strip, and likewise in n. Singularities are
+    the pole of z_k at the imaginary half-period of curve k, and the zeros of g² = Σ weight_k(1 + dz_k), where z_k < 0.
 
-    z has a pole at the imaginary half-period of either curve. g² vanishes at a z < 0, that is at
-    Z = μ_k·z with μ1 > 0 > μ2. This Z is above the branch points of the second curve, so there the zero is as far from
-    the real axis as the pole. It is below the branch points of the first curve, so there the zero is nearer.
+    The abscissa on curve k is Z = μ_k·z_k with μ1 > 0 > μ2. On the second curve a zero of g² has a Z above all branch
+    points, and is as far from the real axis as the pole. On the first curve its Z is below them, and it is nearer.
     """
     import gmpy2
 

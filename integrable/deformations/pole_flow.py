@@ -1,10 +1,10 @@
 """The flow of the tilde pair at d = 0 with repelling poles Σb_i(a_j + a_k − 2s)/γ_i², b_i > 0, on two elliptic curves.
 
-Let h1 = m1 + Σb_i(a_j + a_k − s)/γ_i², h2 = m2 + Σb_i/γ_i² and φ = −4Π(a_i − x). The state is a divisor (U, V) of y² =
-f(x) = φ(x)(h1 − xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The roots ũ_k of (f − V²)/U are variables of
-separation. The λ_k = h1 − ũ_kh2 are constant, H = λ1 + λ2 and K = −λ1λ2. The derivatives are ũ_k' = −V(ũ_k), and ũ_k'²
-= φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic in ũ_k. So Z = λ_kũ_k + const moves on Y² = 4Z³ − g2Z − g3
-(:class:`integrable.mumford.elliptic_torus.EllipticOval`).
+Let s = (γ, Aγ), h1 = (M, AM) + Σb_i(a_j + a_k − s)/γ_i², h2 = (M, M) + Σb_i/γ_i² and φ = −4Π(a_i − x). The state is a
+divisor (U, V) of y² = f(x) = φ(x)(h1 − xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The roots ũ_k of (f −
+V²)/U are variables of separation. The λ_k = h1 − ũ_kh2 are constant, H = λ1 + λ2 and K = −λ1λ2. The derivatives are
+ũ_k' = −V(ũ_k), and ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic in ũ_k. So Z = λ_kũ_k + const moves on Y²
+= 4Z³ − g2Z − g3 (:class:`integrable.mumford.elliptic_torus.EllipticOval`).
 
 γ_i = 0 would imply V(a_i)² = −4b_ic_i² < 0, so no γ_i changes sign. The ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k)
 with E_i² = (b_i/γ_i² + w_i²)/h2 > 0 and w = γ × M. They lie on opposite sides of the middle a_i, so the ovals never
@@ -41,7 +41,7 @@ class PoleFrame(NamedTuple):
 
 class CubicCarrier(CurvesCarrier):
     """The motion of a tilde pair with repelling poles, on two cubics over the field of ``system``. The heights z on
-    the curves are the ũ_k.
+    the curves are the ũ_k of the module's docstring.
     """
 
     def __init__(self, system: Any, state: State) -> None:
@@ -81,7 +81,7 @@ class CubicCarrier(CurvesCarrier):
         y1, y2 = (2 * r[0] * r[1] * r[2] / (value * gap) for r, value in ((first, one), (second, two)))
         gamma, w = [], []
         for a, b, c, sign in zip(system.a, system.potential.poles, system.body.differences, frame.signs, strict=True):
-            # the product of a − u1 and a − u2 is cE²
+            # (a_i − u1)(a_i − u2) is c_iE_i², with the E_i of the module's docstring
             over, under = a - u1, a - u2
             v = y1 * under - y2 * over
             x = sign * N.sqrt((4 * b * c * c + v * v) / (4 * h2 * c * over * under))
@@ -91,7 +91,7 @@ class CubicCarrier(CurvesCarrier):
         return state, cross(N, (w[0], w[1], w[2]), state)
 
     def _separated(self, state: State) -> tuple[list[Real], list[Real], list[Real]]:
-        """The ũ_k, their derivatives, and the λ_k."""
+        """The ũ_k, their derivatives, and the λ_k of the module's docstring."""
         K, a, poles = self.field, self.inner.a, self.inner.potential.poles
         gamma, M = state.vectors
         squares = [x * x for x in gamma]

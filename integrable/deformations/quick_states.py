@@ -31,15 +31,13 @@ from jacobian.numbers.double_double import double_double_row
 
 # number of periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# largest error of H and K, relative to their sizes, and largest decimal exponent of the relative error of the farthest
-# state
+# largest error of H and K relative to their sizes, and largest decimal exponent of the farthest state's relative error
 MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
 NOISE = 4e-18
-# upper bound of the body's angular velocity divided by the rate of its faster phase; the largest ratios occur for large
-# d
+# upper bound of the body's angular velocity divided by the rate of its faster phase; the ratio is largest for large d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
 MOST_SAMPLES = 1 << 14
@@ -64,7 +62,7 @@ class PackedCurves(NamedTuple):
     sizes: np.ndarray
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """R₁, R₂, R₃ and the height on each of the curves at values of τ, shape (8, N, 2)."""
+        """R₁, R₂, R₃ and z of the point on each curve (:mod:`integrable.deformations.oval`) at N τ, shape (8, N, 2)."""
         times, out = np.zeros((len(tau), 2)), np.empty((8, len(tau), 2))
         times[:, 0] = tau
         LIBRARY.points(self.curves, self.levels, times, 1, out.reshape(-1, 2))
@@ -185,7 +183,6 @@ class QuickClock:
 
 
 def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
-    """``made``(``arguments``), or None if it raises ArgumentError or PrecisionLoss."""
     try:
         return made(*arguments)
     except (ArgumentError, PrecisionLoss):
@@ -193,9 +190,9 @@ def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
 
 
 def grid_resolving(pace: Pace) -> tuple[int, int]:
-    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of z.
+    """The numbers of samples in both phases, powers of 2, that resolve 1/g if its modes decay as those of the height z.
 
-    Mode m of z is of the size nome^m, since the pole of z is at the imaginary half-period.
+    Mode m of z on a curve is of the size nome^m, since the pole of z is at the imaginary half-period.
     """
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
     first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)

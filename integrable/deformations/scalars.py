@@ -75,7 +75,7 @@ class RateTerms(NamedTuple):
         for k in range(3):
             i, j = k - 2, k - 1
             x, y, gap = q.gamma[i] * q.M[j], q.gamma[j] * q.M[i], q.a[j] - q.a[i]
-            # the components of γ × T and of γ × Aγ
+            # the components of γ × T, T as in :class:`RateTerms`, and of γ × Aγ
             turned = self.AM * (q.a[j] * x - q.a[i] * y) + self.M * (x - y)
             bent = gap * (q.gamma[i] * q.gamma[j])
             rate.append(turned + self.Ag * bent)

@@ -30,7 +30,7 @@ from jacobian.inexact.long_field import LongField
 __all__ = ["SeparatedFlow"]
 
 TimeOf = Callable[[int, EllipticOval, Real], Real]
-"""The time in which the motion on curve k adds a point: a function of k, the curve and μ_k."""
+"""The time for which the motion along curve k is the addition of a point: a function of k, the curve and μ_k."""
 # the signs of R_i' = ±R_jR_k on the two curves, by axis
 SLOPES = (-1, -1, 1), (1, -1, -1)
 
@@ -41,8 +41,8 @@ class FreeFrame(NamedTuple):
 
     ``spread`` is λ1 − λ2. w_i/|M| is proportional to ``weights``_i·p_iq_i, with the roots p_i and q_i = ±√|Z − μ_k/I_i|
     on the curves k = 1 and 2. ``leans``_i is the constant factor of N_i (:mod:`integrable.deformations.two_curves`),
-    ``contact`` is 1 − da_i, ``side`` the sign of γ and M. ``back`` is the diagonal of the lift to a check or hat pair,
-    empty if there is none.
+    ``contact`` is 1 − da_i, ``side`` = ±1 the common sign of γ and M, which the points do not determine. ``back`` is
+    the diagonal of the lift to a check or hat pair, empty if there is none.
     """
 
     d: Real
@@ -59,8 +59,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
     """(γ, M) of the tilde pair without potential, from the points on both curves, with axes in ascending order of the
     moments.
     """
-    # roots of a curve are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on the
-    # first curve
+    # the roots of curve k are in ascending order of μ_k/I_i. Since μ1 > 0 > μ2, the order of the axes is reversed on
+    # the first curve
     p, q, (mu1, mu2) = first[2::-1], second[:3], frame.mu
     f1, f2 = 1 / (1 + frame.d * first[3]), 1 / (1 + frame.d * second[3])
     e = [w * x * y for w, x, y in zip(frame.weights, p, q, strict=True)]
@@ -84,8 +84,8 @@ def free_state(N: FormulaField, frame: FreeFrame, first: CurvePoint, second: Cur
 class OvalCarrier(CurvesCarrier):
     """The motion of a tilde, check or hat pair over the field of ``system``.
 
-    ``pair`` is the tilde pair on whose curves the motion runs: ``inner``, the system with its axes in ascending order
-    of the moments, or for a check or hat pair the tilde pair of A⁻¹.
+    ``pair`` is the tilde pair on whose curves the motion runs. For a tilde pair it is ``inner``, the system with its
+    axes in ascending order of the moments; for a check or hat pair it is the tilde pair of A⁻¹.
     """
 
     pace: Pace
@@ -135,7 +135,7 @@ class OvalCarrier(CurvesCarrier):
         self.pace = Pace(self.field, body.d, self.curves, self.levels, weights)
 
     def _frame(self, e: Sequence[Real], slope: Sequence[Real], back: tuple[Real, ...]) -> FreeFrame:
-        """The constants of the states, with 1 for the common sign of γ and M."""
+        """The :class:`FreeFrame` with ``side`` 1, from e = w/|M| at the start and its derivative ``slope``."""
         K, body = self.field, self.pair.body
         sizes = [r / K.sqrt(abs(c)) for r, c in zip(body.contact, body.differences, strict=True)]
         weights = [s * w for s, w in zip(_signs(self.curves, e, slope), sizes, strict=True)]
@@ -172,7 +172,7 @@ class OvalCarrier(CurvesCarrier):
 class SeparatedFlow(DeformedFlow):
     """The motion of a tilde, check or hat pair without potential through a state; ``system.flow`` returns it.
 
-    At d ≠ 0 a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
+    If d ≠ 0, a Fourier series on the torus gives physical times (:mod:`integrable.deformations.ovals_clock`).
     NotRepresentable if moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
@@ -181,7 +181,7 @@ class SeparatedFlow(DeformedFlow):
     def translated(self, time_of: TimeOf) -> State:
         """The state after an addition of a point on each of the curves k = 0, 1.
 
-        On curve k the motion adds this point in the time ``time_of(k, curve, μ_k)``.
+        The addition on curve k is the motion along this curve for the time ``time_of(k, curve, μ_k)``.
         """
         many = self._many
 
@@ -254,7 +254,10 @@ def interlaced(body: Body, squares: Sequence[Real]) -> list[list[Real]]:
 
 
 def _oval(K: LongField, body: Body, mu: Real, gaps: Sequence[Real], turn: int) -> EllipticOval:
-    """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
+    """The curve and its point with ũ − a_i = ``gaps`` and the sign ``turn`` of ũ'.
+
+    Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i)).
+    """
     # 1 − dũ = (1 − da_i) − d(ũ − a_i) is computed with the smallest ũ − a_i
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     x, y, z = (K.sqrt(abs(mu * x / (slow * r))) for x, r in zip(gaps, body.contact, strict=True))

@@ -134,8 +134,7 @@ DOUBLE_DOUBLE = 28
 class _Interpreted:
     """The loops on bare reals with the digits of the field."""
 
-    # ``most`` products of coefficients take half a minute; the overhead of a step takes as long as ``overhead``
-    # products
+    # ``most`` products of coefficients take half a minute; a step has the overhead of ``overhead`` products
     most, overhead = 3e7, 500
 
     def __init__(self, field: Any) -> None:

@@ -1,4 +1,4 @@
-"""The tilde pair, the image of the ball's integrals under the 2-torsion map, with its five-parameter potentials."""
+"""The tilde pair of integrals, made with the ball's map that adds a divisor of order 2, and its potentials."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Tilde(Deformation):
         return energy
 
     def motion(self, q: Scalars) -> RateTerms:
-        """Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
+        """Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ], in the letters of :class:`Scalars`."""
         spin: Real = 2 * (q.d * q.G * q.xi) if self.body.rolls else 0
         return RateTerms(1, -q.s, spin, -q.m2, share=self._constants()(self.field.one) / 2)
 

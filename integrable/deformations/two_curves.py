@@ -59,7 +59,8 @@ class _Image(NamedTuple):
 def divisors(system: Hamiltonian, state: State) -> TwoPoints:
     """The two points of a state of a pair without potential; for a check or hat pair, those on its tilde pair's curves.
 
-    NotASquare if ũ1, ũ2 or g are not in the field; NotRepresentable if moments are equal, ũ1 = ũ2, or K = 0.
+    NotASquare if ũ1, ũ2 (as in the module's docstring) or g are not in the field. NotRepresentable if moments are
+    equal, ũ1 = ũ2, or K = 0.
     """
     system, state = curves_of(system), lifted(system, state)
     image = _image(system, state)
@@ -82,8 +83,8 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
 def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = None) -> State:
     """The state that belongs to two points, with the signs of ``like``; raises the errors of :func:`divisors`.
 
-    Without ``like`` the signs are those of the field's square roots. Over an exact field ``like``
-    has an effect only if it is the same state up to signs.
+    Without ``like`` the signs are those of the field's square roots. Over an exact field ``like`` has an effect only if
+    it is the same state up to signs.
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
@@ -126,7 +127,7 @@ def _on_curve(system: Hamiltonian, name: str, D: Divisor) -> tuple[Real, Real, R
 
 
 def _contact(system: Hamiltonian) -> Real:
-    """Π(1 − da_i) = μ_k/λ_k."""
+    """The product Π(1 − da_i), which is μ_k/λ_k on both curves k."""
     K, r = system.field, system.body.contact
     return K.mul(r[0], K.mul(r[1], r[2]))
 

@@ -103,10 +103,8 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
 
 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
-    """A mask of shape (K,) of the plain members.
-
-    The constructors accept every plain member. Its moments are well apart, or exactly two are equal, and M is not along
-    a principal axis.
+    """A mask of shape (K,), True for the *plain* members. The constructors accept every plain member. Its moments are
+    well apart, or exactly two of them are equal, and M is not along a principal axis.
     """
     inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
     with np.errstate(all="ignore"):

@@ -46,7 +46,7 @@ class Said(NamedTuple):
 
 
 class Names(NamedTuple):
-    """The names of the ways. The ``usual`` way is that of every member whose outcome a :data:`Part` does not return."""
+    """The names of all ways, and of the ``usual`` one: that of each member whose outcome a :data:`Part` leaves out."""
 
     words: tuple[str, ...]
     usual: str

@@ -45,11 +45,9 @@ class Many(Record, Generic[One]):
         raise NotImplementedError
 
     def _some(self, places: np.ndarray) -> Self:
-        """The members with these numbers."""
         return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
 
     def _joined(self, others: Iterable[Self]) -> Self:
-        """These members, then those of ``others``."""
         every = (self, *others)
         return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
 
@@ -57,8 +55,8 @@ class Many(Record, Generic[One]):
 class Contents(NamedTuple):
     """The content of a file about motions.
 
-    ``states`` maps the name of each array of states to the places of its numbers in a state, and to its :class:`Column`
-    with axes and units, whose values are filled in later. ``parameters`` have a value for each member; ``attributes``
+    ``states`` has a pair for each array of states, by the array's name: the places of its numbers in a state, and a
+    :class:`Column` with axes and units but without values. ``parameters`` have a value for each member; ``attributes``
     apply to all members. ``identity`` is everything else on which the states depend. ``words`` are the names of the
     ways to compute the states.
     """
@@ -126,7 +124,6 @@ class Starts(Many[One], Generic[One, Found]):
         raise NotImplementedError
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
-        """The result of :meth:`at`."""
         raise NotImplementedError
 
 

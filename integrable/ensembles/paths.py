@@ -135,7 +135,7 @@ def _by_flow(member: int, flow: MumfordFlow, near: Near | None, times: np.ndarra
         try:
             path = flow._after(near, given) if near is not None and len(given) == len(times) else flow.at(given)
         except NotRepresentable as error:
-            # after an Infeasible error kept_rows tries fewer times: only the later states may fail
+            # on an Infeasible error kept_rows asks again for the earlier ones of these times, whose states may be found
             raise Infeasible(str(error)) from error
         way, estimate = path.way, path.estimate
         return np.hstack([path.q, path.p]), given

@@ -125,5 +125,5 @@ def _values(run: Any, name: str) -> np.ndarray:
 
 
 def number(x: Any) -> Any:
-    """A float unchanged, and a multiprecision number as a string of its digits."""
+    """A multiprecision number as a string of its digits, any other number as a float."""
     return float(x) if isinstance(x, float) or not hasattr(x, "context") else str(x)

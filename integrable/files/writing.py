@@ -76,7 +76,7 @@ def _hdf5(frame: Frame, path: Path) -> None:
 
 
 def scaled(file: Any, columns: dict[str, Column]) -> None:
-    """Gives every dimension of an HDF5 file its scale: the array with the dimension's name, or else 1, 2, 3, …"""
+    """Attaches to each dimension of an HDF5 file its scale: the column with the dimension's name, or else 1, 2, 3, …"""
     for name, column in columns.items():
         for i, dim in enumerate(column.dims):
             if dim not in file:

@@ -96,7 +96,6 @@ def _body(ax: Any, run: Any) -> Any:
 
 
 def _sphere(ax: Any) -> None:
-    """Prepares a matplotlib axis for a unit sphere, and draws the outline of the sphere."""
     angles = np.linspace(0, 2 * np.pi, POINTS)
     ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
     ax.set_axis_off()

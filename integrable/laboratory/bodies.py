@@ -76,8 +76,8 @@ class RigidBody(Made):
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
     def _way(self, start: np.ndarray, spin: np.ndarray) -> Any:
-        """The method for a motion whose start has the principal axes ``start``, as columns, and ω = ``spin`` along
-        these axes.
+        """The method for a motion. At time 0 the columns of ``start`` are the principal axes in the laboratory, and
+        ``spin`` is ω along these axes.
         """
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
@@ -192,7 +192,7 @@ class RollingBall(RigidBody):
         length, size = K.sqrt(flat @ flat), K.sqrt(M @ M)
         if length <= VERTICAL * self.field.eps * size:
             return self._vertical(start, gamma, c + d * (gamma @ spin))
-        # the horizontal part of M determines the axes of space, so the flow has more digits if the part is small
+        # the horizontal part of M determines the axes of space; if it is small, the flow is computed with more digits
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
         with unwarned():
@@ -209,7 +209,7 @@ class RollingBall(RigidBody):
     def _vertical(self, start: np.ndarray, gamma: np.ndarray, rate: Real) -> Vertical:
         """The method for M ∥ γ, by the free body with the moments I + d and the momentum λγ, λ = ``rate``."""
         sign = 1 if rate > 0 else -1
-        # the attitude of the free body has x along its momentum, and z along its γ, which is the x of the laboratory
+        # the free body's attitude has x along its momentum, and z along its γ, which here is the laboratory's axis x
         frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * self._wide.one
         return Vertical(self._free_flow(start[0], rate * gamma), frame, self._radius, sign)
 

@@ -154,7 +154,7 @@ class _Problem:
         return found
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
-        """The derivatives of the residuals, shape (3N, 8), for small residuals."""
+        """The derivatives of the residuals, shape (3N, 8), up to terms of the size of the residuals."""
         motion = self._motion(x)
         if motion.flow is None:
             raise ArgumentError(

@@ -31,8 +31,8 @@ def usual(body: Any) -> tuple[str, ...]:
 
 
 def about_body(body: Any, **more: Any) -> dict[str, Any]:
-    """A description of a motion of this body: numbers, strings and lists of numbers. ``axes`` are the principal axes in
-    the axes of the tensor, one after the other.
+    """A description of a motion of this body: numbers, strings and lists of numbers. Its entry "axes" has the principal
+    axes, one after the other, in the axes of the tensor.
     """
     given = {"inertia": body.moments, "axes": np.ravel(body.axes.T)}
     given |= {name: x for name, x in (("mass", body.mass), ("radius", body.radius)) if x is not None}

@@ -127,7 +127,6 @@ class Vertical(Along):
 
 
 def _double(s: Any, c: Any) -> tuple[Any, Any]:
-    """Sine and cosine of twice an angle."""
     return 2 * s * c, c * c - s * s
 
 

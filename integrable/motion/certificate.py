@@ -52,15 +52,15 @@ def _turned(flow: Motion, time: Real, K: MultiprecisionField) -> tuple[Sequence[
 
 
 def _digits_of_turns(flow: Motion, time: Real, K: MultiprecisionField) -> int:
-    """The number of digits before the point of a bound, in radians, of the rotation until ``time``, plus SPARE."""
+    """SPARE plus the number of digits of the whole part of a bound, in radians, of the rotation until ``time``."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.vectors[1]) / min(map(K.coerce, flow.system.inertia))
     return SPARE + ceil(K.context.log10(1 + abs(time) * fastest))
 
 
 def _beside(flow: Motion, time: Real, K: MultiprecisionField) -> Body:
-    """A body whose moments differ so slightly from the equal ones that its states agree to K's digits until ``time``.
-    Its field resolves the difference.
+    """A body near that of ``flow``: no two of its moments are equal, but its states until ``time`` are those of
+    ``flow`` to K's digits. Its field has enough digits to distinguish the moments.
 
     Its motion is computed by the general additions, which share nothing with the closed form for equal moments.
     """

@@ -103,7 +103,6 @@ def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.nd
 
 
 def _inputs(system: Any, state: State) -> dict[str, Real]:
-    """The inputs of a motion by name."""
     if hasattr(system, "inputs"):
         return system.inputs(state)
     terms = () if getattr(system, "potential", None) is None else [f"potential {i}" for i in range(1, 6)]

@@ -40,14 +40,14 @@ PANEL_STEPS = 5
 FAR = 50
 # MOST_PANELS panels with states from the torus, or MOST_PRECISE with states computed one by one, take about a second
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision the torus costs less beyond FAR_GAUSS panels; without a torus MOST_GAUSS panels take minutes
+# in multiprecision FAR_GAUSS takes the place of FAR; MOST_GAUSS panels without a torus take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # guard digits of the bounded part of the path
 GUARD = 2
 # γ × M loses digits if it is this many times smaller than M
 PARALLEL = 30
-# rounding errors of ẋ are about 8·eps·LEAST times a bound of |ẋ|; near a rotation about a principal axis ẋ consists of
-# them
+# (x, y) is the contact point. The rounding error of ẋ is about 8·eps·LEAST times an upper bound of |ẋ|; near a rotation
+# about a principal axis it is larger than |ẋ|
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
@@ -104,7 +104,7 @@ class Rolling:
         self.drift, self._length, self._base = numbers(h1 * rest / length, length, body.a[middle] * c)
 
     def bounded(self, run: Trajectory) -> np.ndarray:
-        """The bounded part of (x, y) in radii at the times of a run, shape (N, 2)."""
+        """The bounded part of the contact point's (x, y), in radii, at the times of a run: shape (N, 2)."""
         moments = self.flow.system.inertia
         if len(set(moments)) == 1:
             return np.zeros((len(run.tau), 2), dtype=run.tau.dtype)
@@ -189,8 +189,8 @@ class Rolling:
         return self.rates(np.hstack([run.gamma, run.M]))
 
     def _by_gauss(self, tau: np.ndarray, length: Real) -> np.ndarray:
-        """The bounded part at ``tau`` in multiprecision, by Gauss–Legendre rules between 0, the ends of panels and all
-        τ.
+        """The bounded part of the path at ``tau`` in multiprecision, by a Gauss–Legendre rule on each interval between
+        neighbours among 0, the ends of panels and all τ.
         """
         K = self.flow.system.field
         ends = {K.zero, *tau}
@@ -231,6 +231,6 @@ class PreciseContact:
         self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rolling.rates)
 
     def at(self, run: Trajectory) -> np.ndarray:
-        """The bounded part at the times of a run, shape (N, 2). For physical times τ is recomputed to all digits."""
+        """The bounded part of the path at a run's times, (N, 2). For physical times τ is recomputed to all digits."""
         tau = run.tau.tolist() if run.given_in_tau else self._flow._precise.many.at(run.times.tolist())[0]
         return self._integral.at([self._flow.setup.wide.coerce(t) for t in tau])

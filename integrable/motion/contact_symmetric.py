@@ -59,7 +59,7 @@ class SymmetricPath:
         self._change = self._numbers(p, p * k, -p / (s * wide.sqrt(height)))
 
     def at(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-        """The bounded part of (x, y) up to a constant: shape (N, 2)."""
+        """The bounded part of the contact point's (x, y), up to a constant, at states (γ, M): shape (N, 2)."""
         i = self._axis
         lean = self._change[0] * gamma + self._change[1] * M
         z = self._change[2] * np.cross(gamma, M)[:, i]

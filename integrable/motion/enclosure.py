@@ -76,8 +76,8 @@ class BallMotion:
             given = (*body.inertia, body.d, *state.row)
             problem = self.problem = Problem.of(self.reals, given, state.tilted)
             self._translations = BallTranslations(self.reals, problem.f, problem.axes, problem.half_step)
-            # an exact 0 would send an addition into a branch for degenerate positions, which is not valid for nearby
-            # points
+            # an exact coordinate 0 would send an addition into a branch for degenerate positions. This branch is
+            # wrong for the other points of a ball
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
         # for physical time: ``_half`` is half the length of a panel, ``_reach`` the radius of the last disc, and
@@ -181,8 +181,8 @@ class BallMotion:
     def _bounded_disc(self, point: Sequence[arb], start: float, enough: Real) -> tuple[float, arb | None]:
         """(radius, bound of |1/g|) of a disc of complex τ about the τ of ``point``.
 
-        On the disc the motion exists by Picard's theorem. Radii are tried from ``start`` downwards, and the first that
-        suffices is taken. The result is (0, None) if no radius above ``enough`` suffices.
+        Radii are tried from ``start`` downwards, until by Picard's theorem the motion exists on the disc, and |1/g| has
+        a bound there. The result is (0, None) if this fails for all radii above ``enough``.
         """
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]
@@ -212,7 +212,7 @@ class BallMotion:
 
     def _rate_bound(self, box: Sequence[acb]) -> arb | None:
         """An upper bound of |1/g| on a box of complex moving points, or None if the box is too large for one."""
-        # 1/g is analytic on the box if σ₁² + σ₂² + σ₃², of which it divides by the root, does not meet the root's cut
+        # 1/g has the denominator √(σ₁² + σ₂² + σ₃²), and is analytic on the box if that sum avoids the cut of the root
         if not sum(x * x for x in box[4:7]).real > 0:
             return None
         bound = abs(addition.rate_at(self.problem.axes, box))

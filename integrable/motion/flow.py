@@ -1,6 +1,6 @@
 """The exact flow: time is addition on the Jacobian.
 
-The divisor D(τ) of a motion obeys D(τ + δ) = D(τ) + T(δ), where the translation T(δ) is the same for all states (Abel
+The divisor D(τ) of a motion obeys D(τ + δ) = D(τ) + T(δ), where the translation T(δ) depends on the curve only (Abel
 quadratures; Tsiganov 2017, section 3). On a compact torus the state at any τ, or at any physical time t = ∫dτ/g, is
 found from six short series (:mod:`integrable.torus.access`). Within a few turns of the start, a short run computes the
 states without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not suffice, and in
@@ -56,11 +56,11 @@ DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states plain floats are faster than arrays
 FEW = 16
-# largest number of values of 1/g on the way to a time, if the motion has no torus in floats; they take about half a
-# second
+# without a torus in floats, t(τ) is integrated along the motion, from at most MOST_RATES values of 1/g; they take about
+# half a second
 MOST_RATES = 16_000
-# digits of the clock that suffice for states in floats at the farthest times that can be reached with MOST_RATES values
-# of 1/g
+# with CLOCK_DIGITS digits of the clock, states in floats are accurate up to the farthest times that MOST_RATES values
+# reach
 CLOCK_DIGITS = 24
 # basic steps (Setup.step_time) per panel of a search for events, so few that the nodes of a panel resolve γ and M
 PANEL_STEPS = 6
@@ -72,8 +72,8 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
     The ``kernel`` "python" is the readable loop, "compiled" the same source compiled (floats only), and "auto" chooses
     by the amount of work. With NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
-    bit, whatever was computed before. ``kernel="compiled"`` uses no short runs. This is faster if a flow is called many
-    times, each time for a single t of several hundred.
+    bit, whatever was computed before. With ``kernel="compiled"`` there are no short runs, which is faster if a flow is
+    called many times, each time for a single t of several hundred.
     """
 
     kernel: str
@@ -216,7 +216,6 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
 
     @property
     def _compiled(self) -> bool:
-        """Whether the loops of the flow are compiled."""
         return self.kernel != "python" and not interpreted()
 
     @cached_property
@@ -274,14 +273,12 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return on_torus(self)
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """Computes :attr:`Trajectory.contact` for a run (:mod:`integrable.motion.contact`)."""
         from integrable.motion.contact import positions
 
         return positions(run)
 
     @cached_property
     def _level(self) -> tuple[Real, Real]:
-        """H1 and H2 of the motion."""
         h1, h2 = self.system.body.energies(*self.state.vectors)
         return h1, h2
 

@@ -45,8 +45,8 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps (Setup.step_length) per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# the tables of a torus are measured in multiplications. A basic step costs as much as WORK_A_STEP of these per digit,
-# and tables of up to WORK_WITH_ROOM multiplications fit into memory
+# the work for the tables of a torus is counted in multiplications. A basic step takes as long as WORK_A_STEP of them
+# for each digit. Tables that take up to WORK_WITH_ROOM multiplications fit into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
 # from ALONE_FROM digits on, the first request for a single time is answered without a series of the clock, from a value
 # of τ with ROUGH_DIGITS digits
@@ -54,7 +54,7 @@ ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
 class Carrier:
-    """A motion computed with one number of digits; :class:`ManyDigits` replaces it by a wider one if digits are
+    """A motion computed with a fixed number of digits; :class:`ManyDigits` replaces it by a wider one if digits are
     missing. Times and τ are wide numbers in the carrier's units.
 
     ``digits`` is the number of digits of its results, without guard digits.
@@ -113,7 +113,7 @@ class Carrier:
         return [self.point(t) for t in tau]
 
     def vectors(self, point: Any) -> tuple[Vector[Real], Vector[Real]]:
-        """(γ, M) of a moving point, by default the point itself."""
+        """The pair (γ, M) of a moving point. By default the point is this pair."""
         gamma, M = point
         return gamma, M
 
@@ -139,7 +139,7 @@ class Carrier:
 
 
 class ManyDigits:
-    """The states of a motion for exact inputs, to ``digits`` digits, however many digits the computation loses."""
+    """The states for exact inputs, to ``digits`` digits; the motion may lose ``digits`` + ``most_lost`` digits."""
 
     expected = 24
     """The number of a carrier's guard digits that may be lost."""
@@ -156,7 +156,7 @@ class ManyDigits:
         self._too_far: Real = inf
 
     def carrier_of(self, digits: int) -> Carrier:
-        """A carrier of the motion with ``digits`` digits."""
+        """A :class:`Carrier` of the motion whose results have ``digits`` digits."""
         raise NotImplementedError
 
     def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:
@@ -177,7 +177,7 @@ class ManyDigits:
         return [self.carrier.vectors(point) for point in points]
 
     def settled(self, times: list[Real], compute: Compute[Found]) -> Found:
-        """The result of ``compute``, repeated with more digits as long as it lacks any.
+        """The result of ``compute``, which is called with more and more digits until none is missing.
 
         ``compute`` is given the carrier and ``times`` in its units. ``compute`` returns the result and the number of
         missing digits, or None if :meth:`enough` has replaced the carrier. A call starts with the first carrier again,
@@ -264,8 +264,8 @@ class ManyDigits:
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= carrier.witnessed:
             return missing
-        # next to a separatrix both computations may lose every digit and end in the same rotation, so the second has
-        # extra digits
+        # next to a separatrix a computation and its witness may both lose every digit and end in the same rotation, so
+        # the witness has extra digits
         wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
         if carrier.witness is None or carrier.witness.digits < wider:
             carrier.witness = self.carrier_of(wider)

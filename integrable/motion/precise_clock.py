@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-# a long panel has LONG cells, an odd number, so that its centre is that of a cell; the first NEAR_CELLS cells belong to
-# no long panel
+# a long panel has LONG cells, intervals of one basic step (Setup.step_length). Their number is odd, so that the centre
+# of the panel is that of a cell. The first NEAR_CELLS cells belong to no long panel
 LONG = 9
 NEAR_CELLS = 27
-# on the first cells the clock may run this many times faster or slower than on later cells
+# estimates of the work allow for a clock that runs this many times faster or slower on the first cells
 UNEVEN = 4
 # long panels are used only if each Legendre coefficient is smaller than the one before by more than this many decimal
 # digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1/g is computed from U(1/d) if 1 − dα_i is at least LIGHT for every axis i; this costs up to three guard digits
+# 1/g of an upright state is computed from U(1/d) if all I_i/(I_i + d) exceed LIGHT: this costs up to three guard digits
 LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
 # correct digits
@@ -44,8 +44,8 @@ END_DIGITS = 12
 
 
 class ClockLimits(NamedTuple):
-    """Limits on a clock: the number of values of 1/g on the way to a time, its digits, and whether it may use
-    double-double numbers where they suffice.
+    """Limits on a clock: the number of values of 1/g between the start and a time, the number of digits, and whether
+    double-double numbers may be used where they suffice.
     """
 
     most: float = inf
@@ -106,15 +106,13 @@ class RatePanels:
             return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
         return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
 
-    # --- the number of nodes
-
     def _node_count(self, rate: float) -> int:
         """An even number of nodes that suffices for the clock's digits if each node adds ``rate`` digits."""
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """A number of decimal digits: each Legendre coefficient of 1/g over ``length`` cells is smaller than the one
-        before by at least this many.
+        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease on a panel of
+        ``length`` basic steps.
         """
         return self._scouts.digits_a_node(self._sign, length)
 
@@ -140,11 +138,11 @@ class PanelClock(RatePanels):
         self._long: tuple[Nodes, list[Real]] | None = None
 
     def place(self, t: Real) -> tuple[int, Real]:
-        """The place at which the clock shows t ≥ 0."""
+        """The place, (cell, x), at which the clock shows t ≥ 0."""
         return self._resolved(lambda: self._inverse(t))
 
     def time(self, cell: int, x: Real) -> Real:
-        """The clock's time at a place."""
+        """t at the place (cell, x), −1 ≤ x ≤ 1."""
         return self._resolved(lambda: self._time(cell, x))
 
     def _resolved(self, compute: Callable[[], Found]) -> Found:
@@ -202,7 +200,7 @@ class PanelClock(RatePanels):
         return next((cell for cell in range(first, first + LONG - 1) if self._end(cell) > t), first + LONG - 1)
 
     def _end(self, cell: int) -> Real:
-        """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
+        """t at the upper end of a cell. Cell −1 ends where cell 0 begins, at a negative time."""
         if not self._ends:
             self._ends.append(self._half * addition.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
         if cell > NEAR_CELLS:
@@ -230,7 +228,7 @@ class PanelClock(RatePanels):
         return True
 
     def _wind(self, panels: int) -> None:
-        """Extends the table of t at the ends of long panels to ``panels`` panels after the near cells."""
+        """Extends the table of t at the ends of long panels to the first ``panels`` of them."""
         if not self._far:
             self._far.append(self._end(NEAR_CELLS))
         nodes, weights = self._long_rule()
@@ -242,7 +240,7 @@ class PanelClock(RatePanels):
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
-        """Raises PrecisionLoss if a clock of ``cells`` cells exceeds its limit by more than the factor ``uneven``."""
+        """Raises PrecisionLoss if the work of a clock of this many ``cells`` exceeds ``uneven`` times its limit."""
         work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(
@@ -264,7 +262,6 @@ class PanelClock(RatePanels):
     # --- 1/g on one cell
 
     def _mean(self, cell: int) -> Real:
-        """The mean of 1/g over a cell."""
         if cell not in self._means:
             values = self._rates_at(self._setup.reached(self._sign, cell), self._nodes)
             self._means[cell] = sum(map(mul, self._rule.weights, values)) / 2
@@ -291,8 +288,8 @@ class OneTime(RatePanels):
     """
 
     def tau(self, t: Real, start: Real, point: Callable[[Real], Row]) -> Real | None:
-        """|τ| at |t| = ``t`` > 0, from a value ``start`` that is right to more than END_DIGITS digits; None if τ is far
-        or the panels up to it are not resolved.
+        """|τ| at |t| = ``t`` > 0, from an approximation ``start`` with more than END_DIGITS correct digits. None if |τ|
+        exceeds NEAR_CELLS cells, or if 1/g is not resolved on the way.
         """
         if start > 2 * NEAR_CELLS * self._half:
             return None

@@ -28,7 +28,7 @@ class Rows(NamedTuple):
 
 
 def kept_rows(compute: Compute, values: np.ndarray, nan: Real, width: int = 6) -> Rows:
-    """The rows of ``width`` numbers and τ of ``compute(values)``; rows that it refuses are ``nan``.
+    """The result of ``compute(values)``: rows of ``width`` numbers, and τ. Rows that it refuses are ``nan``.
 
     If a time is refused because it is too far, all farther times in its direction are refused too. So in each direction
     bisection finds the first refused time, and the times before it are computed together.

@@ -2,7 +2,7 @@
 
 A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). In compiled code it
 takes some tens of microseconds plus a few per panel; interpreted, the same source is about a hundred times slower.
-Doubtful cases are left to the next method.
+Doubtful cases are left to the other methods of the flow.
 
 A compiled Taylor walk (:mod:`integrable.series`) of the ball's equations to the time 100 takes four times as long as a
 short run.
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 # PANEL_COST is the cost of a panel and START_COST that of the start of a run, in microseconds of compiled code (python
 # -m benchmarks short); only the ratio matters
 PANEL_COST, START_COST = 2.4, 50.0
-# costs of a torus in the same units, by the same command. FREE is for d = 0, where t = τ, and ROLLING for d ≠ 0. THIN
+# costs of a torus in microseconds (benchmarks short). FREE is for d = 0, where t = τ, and ROLLING for d ≠ 0. THIN
 # is for I/(I + d) that differ by more than the factor THINNER, as 1/g then has far more Fourier modes. For many states
 # within few turns, interpolation on the torus halves the cost of a state, but short runs still cost less
 FREE, ROLLING, THIN = Cost(250, 0.75), Cost(560, 3.2), Cost(2900, 12)
@@ -122,8 +122,8 @@ class ShortRuns:
 
 
 class Asked(NamedTuple):
-    """The input of compiled runs: moments, d, γ and M of each motion, shape (K, 10), and fields of
-    :class:`integrable.moving_point.short_rows.Request`.
+    """The input of compiled runs. ``given`` has moments, d, γ and M of each motion, shape (K, 10). All other fields but
+    ``tilted`` are those of :class:`integrable.moving_point.short_rows.Request`.
     """
 
     given: np.ndarray
@@ -161,8 +161,7 @@ def compiled_run(asked: Asked, times: np.ndarray) -> tuple[int, int, np.ndarray,
     """
     prepared, length = _prepared(), len(times)
     try:
-        # to pass an array to a call takes as long as half an addition of divisors, so the packed memory of an earlier
-        # run is used again
+        # passing an array takes as long as half an addition of divisors, so an earlier run's packed memory is reused
         work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)
@@ -186,7 +185,7 @@ def torus_cost(least: float, most: float, d: float) -> Cost:
 
 
 def panels_within(torus: Cost, count: int, worth: float = WORTH) -> int:
-    """The number of panels, at most MOST_PANELS, that cost 1/``worth`` of a torus and ``count`` states from it."""
+    """The number of panels, at most MOST_PANELS, in a run that costs 1/``worth`` of a torus with ``count`` states."""
     return min(MOST_PANELS, int((torus.of(count) / worth - START_COST) / PANEL_COST))
 
 

@@ -1,4 +1,4 @@
-"""Writes long runs, equally spaced states, to a file in bounded memory."""
+"""Writes long runs of equally spaced states to a file, in bounded memory."""
 
 from __future__ import annotations
 

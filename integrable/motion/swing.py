@@ -53,8 +53,8 @@ class Swing(NamedTuple):
         size = gmpy2.sqrt(g3 * g3 + (across / rate) ** 2)
         theta = gmpy2.atan2(g3, across / rate)
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, 0 * theta)
-        # φ is the angle from the point of the ellipse to the vector at the start, for γ or M, whichever is farther from
-        # the axis
+        # φ is the angle about axis 3 from the vector that :meth:`ellipse` returns to that of the start: for γ, or for M
+        # where γ is near the axis
         c, s = gmpy2.cos(theta), gmpy2.sin(theta)
         before_gamma, before_M = swing.ellipse(c, s)
         near_axis = c * c + kappa2 * s * s < 0.5
@@ -73,7 +73,7 @@ class Swing(NamedTuple):
 
     @property
     def factors(self) -> tuple[Real, Real]:
-        """The factors of the elliptic integrals F and Π in −φ."""
+        """The factors of the elliptic integrals F and Π in −φ (:mod:`integrable.motion.symmetric`)."""
         first = self.kappa * self.ratio / gmpy2.sqrt(self.r * self.r3)
         return first, self.kappa * gmpy2.sqrt(self.r3 / self.r)
 
@@ -86,7 +86,7 @@ class Swing(NamedTuple):
         return self.rate / alpha, beta * self.spin * upright.a[0] * self.ratio * self.size / alpha
 
     def ellipse(self, c: Real, s: Real) -> tuple[Vector, Vector]:
-        """γ and M before the turn by φ, at the phase θ with cos θ = c and sin θ = s."""
+        """γ and M at the phase θ, cos θ = c and sin θ = s, as they are where φ = 0."""
         root3, spread = gmpy2.sqrt(self.r3), self.spread
         slow = gmpy2.sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
         lean, scale = self.kappa * self.delta * s / (slow + root3), self.momentum / gmpy2.sqrt(self.mu)
@@ -97,9 +97,9 @@ class Swing(NamedTuple):
 
 class Upright(NamedTuple):
     """A body and a state with (γ, M) = 0, |γ| = 1 to the last digit, with axes in the order (equal, equal, other). If
-    all moments differ, the second axis is the axis of the rotation.
+    all moments differ, the motion is a rotation about the second axis.
 
-    ``a``, ``contact`` and ``d`` are a_i, r_i and d of the body, ``ratio`` is (a₃ − a₁)/a₁. ``columns`` are the
+    ``a``, ``contact`` and ``d`` are a_i, 1 − d·a_i and d of the body, ``ratio`` is (a₃ − a₁)/a₁. ``columns`` are the
     positions of the user's axes, ``clock`` is the pair (α, β) of dt/dt̃ = α + βñ, ñ = g̃²(γ̃, AM̃), with tildes for this
     body, and ``matrix`` maps back to the tilted body.
     """

@@ -43,7 +43,7 @@ from jacobian.element import Real
 if TYPE_CHECKING:
     from integrable.phase.state import State
 
-# up to this size θ − θ₀ is computed to full relative accuracy
+# where |θ − θ₀| is below this, F(θ) − F(θ₀) is computed without cancellation
 NEARBY = 0.75
 
 
@@ -70,7 +70,7 @@ class SymmetricFlow:
         """Sets the constants of the formulas for γ and M, other than the phases θ and φ."""
         r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
         number, sqrt = self.numbers.number, gmpy2.sqrt
-        # at d = 0 and for three equal moments F is θ, and Π cancels the arctangent; at κ = 0 φ is constant
+        # at δ = 0, that is for d = 0 or three equal moments, φ is a linear function of θ; at κ = 0 it is constant
         self._flat = bool(delta == 0 or kappa == 0)
         self._kappa, self._size, self._root3 = map(number, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(number, (delta, swing.spread / mu, sqrt(mu)))
@@ -82,8 +82,8 @@ class SymmetricFlow:
         self._factors = number(first), number(third)
 
     def _phases(self, swing: Swing, rate: Real, kepler: Real) -> None:
-        """Sets the rates of θ and φ in turns per unit of t and of τ, the turn of φ due to Π per half turn of θ, and the
-        phases at the start.
+        """Sets the rates of θ and φ in turns per unit of t and of τ, the turns of φ per half turn of θ due to
+        arctan(κ tan θ) and Π, and the phases at the start.
         """
         N, number, pi, near = self.numbers, self.numbers.number, gmpy2.const_pi(), self.numbers.field.root_of_eps
         self._kepler, self._rate = number(kepler / (2 * pi)), rate / (2 * pi)
@@ -93,8 +93,8 @@ class SymmetricFlow:
         quarter = complete(modulus, one, one, one, pi, near)
         self._first_kind = FirstKind(N, number(modulus), number(missing), number(quarter))
         self._flow_rate = swing.rate * gmpy2.sqrt(swing.r) / (4 * quarter)
-        # ``_advance`` is the part of φ due to F, in turns per turn of θ; ``_turning`` is the same per unit of t and of
-        # τ
+        # ``_advance`` is the advance of φ due to the elliptic integral F, in turns per turn of θ; ``_turning`` are its
+        # turns per unit of t and of τ
         first, third = swing.factors
         self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
@@ -177,10 +177,11 @@ class SymmetricFlow:
         return 2 * whole + N.result(half), N.pi * part
 
     def _turned_nearby(self, times: np.ndarray, gap: np.ndarray, turned: np.ndarray) -> np.ndarray:
-        """The turns of φ due to F since the start: ``turned``, computed anew where θ − θ₀, about ``gap``, is small.
+        """``turned``, the turns of φ since the start due to its term with the elliptic integral F(θ | m), computed anew
+        where θ − θ₀, about ``gap``, is small.
 
-        φ may turn a million times as fast as F, and the difference F(θ) − F(θ₀) of two values loses digits. By the
-        addition theorem it equals F(ψ) for an angle ψ whose sine is a function of θ and θ₀.
+        The factor of F may be a million, and the difference F(θ) − F(θ₀) of two values loses digits. By the addition
+        theorem the difference is F(ψ) for an angle ψ whose sine is a function of θ and θ₀.
         """
         near, N = np.flatnonzero(np.abs(gap) < NEARBY), self.numbers
         if self._flat or not len(near):
@@ -201,8 +202,8 @@ class SymmetricFlow:
         return turned
 
     def _gap(self, gap: np.ndarray, goal: np.ndarray) -> np.ndarray:
-        """θ − θ₀ to its last digit, from the nearby value ``gap``. For an upright body the result is ``goal``; the
-        clock of a tilted body adds a correction.
+        """θ − θ₀ to its last digit, near ``gap``: the solution of θ − θ₀ − ε(G(cos θ) − G(cos θ₀)) = ``goal``, with
+        the ε and G of :meth:`integrable.motion.swing.Swing.clock`; ε = 0 for an upright body.
         """
         if not self._kepler:
             return goal
@@ -227,7 +228,7 @@ class SymmetricFlow:
         return s0 * c + c0 * s, c0 * c - s0 * s
 
     def _change_of_square(self, gap: np.ndarray) -> np.ndarray:
-        """cos²θ − cos²θ₀."""
+        """cos²θ − cos²θ₀ for θ = θ₀ + ``gap``."""
         s, c = self._angle_at(gap)
         s0, c0 = self._start_angle
         return -self.numbers.sin(gap) * (s0 * c + c0 * s)
@@ -251,10 +252,8 @@ class SymmetricFlow:
         short = 1 - y / 6 + 3 * y * y / 40
         return c / self._root_mu * np.where(abs(y) < small, short, long)
 
-    # --- states
-
     def _turned(self, x: np.ndarray) -> np.ndarray:
-        """φ at θ = x minus φ at θ = 0, without the contribution of F."""
+        """φ − φ₀ at θ = x without the term of F: arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m)."""
         if self._flat:
             return 0 * x
         # at θ = π/2 the arctangent and Π each change by half a turn within a distance of about κ; cos ≥ 0 keeps both on
@@ -293,5 +292,4 @@ def half_turns(N: LongDoubles | Multiprecision, rest: np.ndarray) -> tuple[np.nd
 
 
 def _sign(count: np.ndarray) -> np.ndarray:
-    """(−1)^count."""
     return 1 - 2 * (count % 2)

@@ -1,7 +1,7 @@
 """Motions in closed form in multiprecision, at any time: two or three equal moments, and rotations about an axis.
 
-The formulas are those of :mod:`integrable.motion.symmetric` in bare reals. The working digits are those requested, plus
-the digits before the point of the angle of rotation until the farthest time, plus those that
+The formulas are those of :mod:`integrable.motion.symmetric` in bare reals. The number of working digits is a
+sum: the digits requested, those of the whole part of the angle of rotation until the farthest time, and those that
 :class:`integrable.motion.precise.ManyDigits` finds missing.
 """
 
@@ -48,7 +48,7 @@ class ClosedCarrier(Carrier):
             return ceil(log10(self._form.radians(K.coerce(tau))))
 
     def at(self, times: list[Real]) -> tuple[list[Real], list[Any]]:
-        """τ and the points at physical times."""
+        """τ and (γ, M) at physical times."""
         rows, tau = self._computed(self._form.at, times)
         return tau, [(row[:3], row[3:]) for row in rows]
 
@@ -87,7 +87,7 @@ class PreciseClosedForm(ManyDigits):
         return ClosedCarrier(*self._motion, digits)
 
     def enough(self, tau: Real) -> int | None:
-        # digits for many turns cost little: the limit grows with τ, so that no time is too far
+        # digits lost in many turns are cheap: the limit of lost digits grows with τ, so that no time is too far
         self.most_lost = max(self.most_lost, type(self).most_lost + self.carrier.lost(tau))
         return super().enough(tau)
 

@@ -135,7 +135,7 @@ def _computed(way: InOrder, values: np.ndarray, physical: bool) -> tuple[np.ndar
 
 
 class BodyMotion(Motion):
-    """The attributes of a body's motion that contact points use: base of :class:`integrable.motion.flow.Flow`."""
+    """The attributes of a body's motion that give contact points: base of :class:`integrable.motion.flow.Flow`."""
 
     @cached_property
     def setup(self) -> Setup:
@@ -198,8 +198,8 @@ class Trajectory(Run[State], Exported):
         return replaced(self.flow.state, vectors=(tuple(values[:3]), tuple(values[3:])))
 
     def concatenated(self, *others: Trajectory) -> Trajectory:
-        """A Trajectory of these rows and those of ``others``, which belong to the same motion. Its ``way`` lists the
-        ways of all of them.
+        """A Trajectory of the rows of this one and of ``others``, all of the same motion. Its ``way`` lists the ways of
+        all rows.
         """
         every = (self, *others)
         for other in others:

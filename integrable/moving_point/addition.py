@@ -66,7 +66,7 @@ def cofactor_at(f: Row, divisor: Row) -> Row:
 def settled_pair(
     divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real
 ) -> tuple[Real, Real]:
-    """The pair at the branch point a, corrected as in :func:`settled`; ``rest`` is W."""
+    """The pair at the branch point a, corrected as in :func:`settled`, whose W is ``rest``."""
     b0, b1, c0, c1 = divisor
     w0, w1, w2, w3 = rest
     return settle(sigma, nu, kappa, (a + b1) * a + b0, c1 * a + c0, ((w3 * a + w2) * a + w1) * a + w0, trust)
@@ -109,8 +109,9 @@ def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, t
 
 
 def rate_at(axes: Row, point: Row) -> Real:
-    """1/g at a moving point: 1/√Σσ², and for a tilted body (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ², where the
-    sum is over cyclic (i, j, k)."""
+    """1/g at a moving point, with (α1, α2, α3, κ1, κ2, κ3, α, β) = ``axes``: 1/√Σσ² for an upright body, and
+    (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ² for a tilted one. The second sum is over cyclic (i, j, k).
+    """
     x1, x2, x3 = point[4], point[5], point[6]
     rate = 1 / root(x1 * x1 + x2 * x2 + x3 * x3)
     if axes[7] == 0:
@@ -122,7 +123,7 @@ def rate_at(axes: Row, point: Row) -> Real:
 
 
 def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
-    """1/g after the addition of a translation. For an upright body only the chord is computed, not the sum."""
+    """1/g after the addition of a translation. For an upright body U and V of the sum are not computed."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
     q, l1, l0 = chord(curve_of(f), divisor_of(point), divisor_of(step))
@@ -142,9 +143,9 @@ def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row
     """:func:`rate_after` of an upright body for many translations, fast in interpreted code. ``roots`` holds
     √(1 + d(u1 + du0)) of each translation.
 
-    g² is proportional to U(1/d). As f(1/d) = 0, the polynomial U'' of the sum is P²/(l1²·U·U') at 1/d, where U' belongs
-    to the translation and P = qV + LU. The chord is y = V + UL/q with L = l1·x + l0. P loses digits if a 1 − dα_i is
-    small.
+    Let (U, V) be the divisor of the point, U' the U of a translation and U'' that of the sum. Let P = qV + LU,
+    L = l1·x + l0, with the q, l1 and l0 of :func:`chord`. At 1/d, where f = 0, U'' is P²/(l1²·U·U'), and g² is
+    proportional to U. P loses digits if a 1 − dα_i is small.
     """
     curve, first = curve_of(f), divisor_of(point)
     height = 1 + d * (point[1] + d * point[0])

@@ -159,8 +159,8 @@ class Sizes(NamedTuple):
     tail: arb
 
     def times(self, other: Sizes) -> arb:
-        """The ``tail`` of the product with another series, for orders k that are not yet known. Where a term of order i
-        meets one of order k − i in the first half of the known orders, 1/(i + 1)² is at most 4/(k + 1)².
+        """The ``tail`` of the product with another series, for orders k beyond the known ones. If the order of one
+        factor is in the first half of the known ones, that of the other is i ≥ k/2, so 1/(i + 1)² ≤ 4/(k + 1)².
         """
         return 4 * (self.head * other.tail + other.head * self.tail) + CONVOLVED * self.tail * other.tail
 

@@ -72,7 +72,7 @@ def amplitude(N: LongDoubles | Multiprecision, v: Array, k: Real) -> Array:
             break
     x = v * a * 2 ** len(levels)
     for ratio in levels[::-1]:
-        # the new x, x', satisfies sin(2x' − x) = ratio·sin x
+        # x is replaced by the x' with sin(2x' − x) = ratio·sin x
         x = (x + N.arcsin(np.clip(ratio * N.sin(x), -1, 1))) / 2
     return x
 
@@ -140,7 +140,7 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
 
 def quadratic_periods(points: Row, gap: Real, third: tuple[Row, Row], pi: Real, near: Real, out: Row) -> None:
-    """:func:`oval_periods` between these points for any R whose roots lie beyond them.
+    """:func:`oval_periods` with the four ``points`` as ends, for any R whose roots lie beyond them.
 
     ``gap`` is points[2] − points[1], ``third`` are the coefficients of R, ascending, and its values at the points.
     """
@@ -176,13 +176,13 @@ def richelot(points: Row, gap: Real, rest: Row, values: Row) -> tuple[Row, Real,
     w0, w1, w2 = bracket_of_quadratics(a0, a1, one, b0, b1, one)
     # Δ is the determinant of the coefficients of P, Q and R, expanded by those of R
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-    # the discriminants are resultants, that is products of differences of the ends, so no other close numbers are
-    # subtracted
+    # the discriminant of W is the resultant of P and Q, a product of differences of the ends; those of U and V are
+    # resultants with R, products of values of R at the ends
     spread = root((q1 - p1) * (q2 - p1) * gap * (q2 - p2))
     x1, x2 = roots_between(w0, w1, w2, spread)
     gap = 2 * spread / abs(w2)
     if u2 == 0:
-        # R is constant, and ∞ is a root of U and V
+        # the new R is constant, and ∞ is a root of U and V
         y1, z1 = -u0 / u1, -v0 / v1
         factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
         return (z1, x1, x2, y1), gap, (one, 0 * one, 0 * one), (one, one, one, one), factor
@@ -229,7 +229,7 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
 
 
 def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> tuple[Real, Real]:
-    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
+    """∫_a^b (x − middle)^k dx/((r − d·x)√|(x − a)(x − b)(x − c)(x − e)|) for k = 0 and 1, where a, b, c, e are the
     ``ends``. c and e lie on the same side of a and b.
     """
     a, b, c, e = ends

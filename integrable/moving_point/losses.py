@@ -10,7 +10,7 @@ from integrable.phase.body import energy
 from integrable.phase.coordinates import directions_of
 from jacobian.element import Real
 
-# NOTHING and −NOTHING stand for the decimal exponents of infinity and of 0
+# stands for the decimal exponent of infinity; −NOTHING stands for that of 0
 NOTHING = 10**9
 
 
@@ -18,16 +18,15 @@ def lost_digits(setup: Setup, tau: Real) -> int:
     """The number of digits by which an error may grow until τ (in the units of the setup), estimated from the curve.
 
     A double root e of f = (x − e)²h belongs to the unstable rotation. At that rotation τ = Σ∫dx/y is a logarithm
-    divided by √h(e), so points and translations grow like exp(√h·τ). Near this rotation, points and translations grow
-    during one passage to about 16·(distance to the other roots)/(distance of the two roots). All other errors grow like
+    divided by √h(e), so points and translations grow like exp(√h·τ). Each time a motion passes near it, points and
+    translations grow to about 16·(distance to the other roots)/(distance of the two roots). All other errors grow like
     τ.
     """
     K = setup.wide
     roots = sorted(setup.problem.branch_points)
     lead, tau = abs(setup.problem.f[5] or setup.problem.f[4]), abs(K.coerce(tau))
     total = K.context.log(1 + tau)
-    # the loop is over the gaps between the ovals and beyond the second oval; a real point crosses a gap in imaginary
-    # time only
+    # the gaps lie between the ovals and, if d ≠ 0, between the second oval and 1/d; a gap of length 0 is a double root
     for k in range(1, len(roots) - 1, 2):
         middle, gap = (roots[k] + roots[k + 1]) / 2, roots[k + 1] - roots[k]
         others = [abs(middle - e) for e in (*roots[:k], *roots[k + 2 :])]
@@ -36,7 +35,7 @@ def lost_digits(setup: Setup, tau: Real) -> int:
             square *= x
         grown = K.sqrt(square) * tau
         near = min(others)
-        # a smaller gap is a double root with rounding errors
+        # a gap up to this size is a double root with rounding errors
         if gap > K.eps * 10**8 * near:
             grown = min(grown, K.context.log(1 + 16 * near / gap))
         # the factor 2 is due to the translations, whose errors grow as much as those of the points

@@ -87,8 +87,8 @@ class Problem(NamedTuple):
 
 def problem_row(given: Row, tilted: bool, out: Row) -> None:
     """Writes the row of a :class:`Problem` to ``out``, from the moments, d, γ and M in ``given``; then
-    r_i = I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. An upright state has the identity as its
-    matrix.
+    r_i = I_i/(I_i + d) of the upright body, and H1 and H2 of the given motion. The ``matrix`` is the identity for an
+    upright state.
     """
     d = given[3]
     a, (r, e), gamma, M, (k, s, p, rise), (h1, h2) = upright_motion(given, tilted)
@@ -109,8 +109,9 @@ def problem_row(given: Row, tilted: bool, out: Row) -> None:
 def upright_motion(
     given: Row, tilted: bool
 ) -> tuple[Vector[Real], Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real], tuple[Real, Real]]:
-    """(a_i, (r_i, d), γ, M, (k, s, p, dkH1), (H1, H2)) from the moments, d, γ and M in ``given``: the upright motion to
-    the last digit, the constants of Chaplygin's transformation, and the integrals of the given motion.
+    """From the moments, d, γ and M in ``given``: the a_i = 1/(I_i + d) of both the given and the upright motion; (r_i,
+    d), γ and M of the upright motion, r_i = I_i/(I_i + d); (k, s, p, dkH1) of Chaplygin's transformation; and (H1, H2)
+    of the given motion.
     """
     d = given[3]
     a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
@@ -138,8 +139,8 @@ def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
 def made_upright(
     given: Row, a: Vector[Real], gamma: Vector[Real], M: Vector[Real], energies: tuple[Real, Real], tilted: bool
 ) -> tuple[Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real]]:
-    """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and (k, s, p, dkH1) of Chaplygin's
-    transformation.
+    """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and the constants (k, s, p, dkH1) of Chaplygin's
+    transformation (:mod:`integrable.phase.upright`).
     """
     I0, I1, I2, d = given[0], given[1], given[2], given[3]
     (x, y, u), (m0, m1, m2), (h1, h2), zero = gamma, M, energies, 0 * d

@@ -59,7 +59,7 @@ class Setup:
 
     @cached_property
     def reals(self) -> BareReals:
-        """The numbers of long loops."""
+        """The bare reals in which loops compute with more digits than floats have."""
         return BareReals(self.wide.context.prec + GUARD_BITS)
 
     @cached_property

@@ -49,7 +49,7 @@ from integrable.moving_point.short_steps import (
     wide_values,
 )  # fmt: skip
 
-# the length of a panel, before doublings, in basic steps
+# the length of a panel, before doublings, in basic steps (:meth:`integrable.moving_point.setup.Setup.step_length`)
 LENGTH = 5.0
 # a panel is doubled only while the body turns by at most this many radians on half of it
 TURN = 1.7
@@ -61,12 +61,12 @@ TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with nodes in wide numbers, relative to a panel with nodes in floats
 CAREFUL = 10
-# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE the tolerance of H2 at centres. Near a
-# cluster of branch points an addition loses most digits of a centre. Later centres are computed from it, so that no
-# jump between panels shows the error
+# INTEGRALS is the relative tolerance of H1 and H2 of returned states, CENTRE that of H2 at the centres of panels. Each
+# centre is computed from an earlier one by an addition, which loses most digits near a cluster of branch points. Later
+# centres have the same error, so that no jump between panels shows it
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# short runs leave a motion to the torus if its moments differ by less than 1/CLOSEST of I + d, or if Chaplygin's
-# transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
+# short runs leave a motion to the torus if the largest moment I exceeds the least by less than (I + d)/CLOSEST, or if
+# Chaplygin's transformation from the upright motion to γ and M multiplies errors by more than 4·STEEPEST
 CLOSEST, STEEPEST = 4e4, 25.0
 # the largest permitted distance of the shadow, which starts at OFF_BY (:mod:`integrable.moving_point.short_steps`)
 APART = 2.0**-45
@@ -107,8 +107,8 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
 
 
 def first_half(room: ShortRoom) -> float:
-    """Half the length of a panel of this motion. Branch points of very different size may limit the power series but
-    not the panels; the length is then doubled until the body turns far enough on each panel.
+    """Half the length of a panel of this motion. If branch points have very different sizes, panels can be far longer
+    than basic steps; their length is then doubled while the body turns by at most TURN radians on half a panel.
     """
     h, most, longer = panel_half(room.motion.half_step), TURN * room.motion.radian, 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
@@ -244,14 +244,14 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
         return UNRESOLVED
     if stepless(room, rule) <= WIDE_STEP:
         return 0
-    # if the coefficients of a series still decrease, halving reduces the jump; otherwise the jump comes from the panel
-    # before
+    # halving reduces a jump between neighbouring panels only if the coefficients of the series still decrease
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """(the largest of the last coefficients, the largest of earlier ones) of γ, w and, with a clock, of 1/g divided
-    by four times its mean. Both are multiplied by ``lift`` of :class:`~integrable.moving_point.short_rows.FloatMotion`.
+    """(the largest of the last coefficients, the largest of earlier ones), both multiplied by the ``lift`` of
+    :class:`~integrable.moving_point.short_rows.FloatMotion`. The series are those of γ, w = γ × M/|M| and, if t(τ) is
+    needed, 1/g divided by four times its mean.
     """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
@@ -271,9 +271,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
 
 
 def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
-    """The sum of the absolute values of the last two Chebyshev coefficients, and that of the two coefficients four
-    orders lower.
-    """
+    """The sums of the absolute values of the last two Chebyshev coefficients, and of the two four orders lower."""
     count, matrix = len(rule.nodes), rule.coefficients
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     for j in range(count):

@@ -51,7 +51,7 @@ def entry(
         )  # fmt: skip
         numbers[member] = run(room, rule, request, wide[:GIVEN], tilted)
         numbers[members + member] = made[3]
-        # without a clock ``other`` is empty
+        # ``other`` is empty if the times are τ and t is not wanted
         if asked[0] or asked[1]:
             unit = motion.tau_unit if asked[0] else motion.time_unit
             for i in range(count):

@@ -66,8 +66,8 @@ def gone_by(room: ShortRoom, request: Request, left: float, half: float, at: int
 
 
 def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, float]:
-    """Writes the coefficients of 1/g and of its integral from −1. Returns the integral over the panel as the sum of two
-    floats.
+    """Writes the Chebyshev coefficients of 1/g and of its integral from the panel's left end. Returns the integral over
+    the panel as the sum of two floats.
     """
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
     # 1/g is expanded after one of its values is subtracted: otherwise rounding errors of the matrix would cause the
@@ -107,8 +107,7 @@ def place_of(room: ShortRoom, target: float, full: float) -> float:
     """The x at which the integral of 1/g from −1 equals ``target``, by Newton's method confined to [−1, 1]."""
     low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
-    # SIMD lanes that have converged skip their steps; once all have converged, the nested loops make only few further
-    # tests
+    # SIMD lanes that have converged skip their steps; once all have, the nested loops make only few further tests
     for _ in range(8):
         if abs(step) >= LAST:
             for _ in range(8):

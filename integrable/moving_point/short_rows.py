@@ -18,20 +18,20 @@ LEVELS, FINEST = 6, 7
 # before by at least the factor ORDER_GAIN, and 15 such factors make 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# TIME_UNIT is the position of the unit of physical time in ``wide``, after a problem's row; WIDE is its length
+# the row ``wide`` has WIDE numbers: a problem's row, then the unit of physical time at TIME_UNIT
 TIME_UNIT = ROW
 WIDE = TIME_UNIT + 1
 # positions in ``point`` after the ten numbers of a moving point: 1/g (RATE), γ and w of the start (from BEGIN on), and
 # the deviation of H2 (OFF)
 RATE, BEGIN, OFF = 10, 11, 17
-# positions in the rows of ``seen``, which describe precomputed centres: the distance from the shadow, the second motion
-# of :mod:`integrable.moving_point.short` (SHADOW), and the relative correction after the addition (MOVED)
+# positions in the rows of ``seen``, which describe precomputed centres of panels: the distance from the centre on the
+# shadow (:mod:`integrable.moving_point.short`) is at SHADOW, the relative correction after the addition at MOVED
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
-# number of rows of wide points: one for a centre, and one for each level of halving
+# number of rows of wide points: one for the centre of a panel, and one for each level of halving
 POINTS = LEVELS + 1
-# AHEAD centres of the motion and as many of its shadow are computed together, so that all SIMD lanes are used. The rows
-# of ``ahead`` are the centres of the motion, those of the shadow, and the two starts
+# points of the motion and of its shadow at the centres of AHEAD panels are computed together, so as to fill SIMD lanes.
+# The rows of ``ahead`` are these points of the motion, those of the shadow, and the two points from which they start
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations: row HALF has the translation by h, half the length of a panel. Row HALF − l has that by
@@ -65,7 +65,7 @@ class Rule(NamedTuple):
 
 
 class FloatMotion(NamedTuple):
-    """One motion in floats; the units are those of its :class:`~integrable.moving_point.problem.Problem`."""
+    """One motion in floats, in the units of its :class:`~integrable.moving_point.problem.Problem` unless stated."""
 
     f: Row
     axes: Row
@@ -97,7 +97,7 @@ class FloatMotion(NamedTuple):
 
 
 class ShortRoom(NamedTuple):
-    """The motion, and working memory."""
+    """A motion and the working memory of its short run."""
 
     motion: FloatMotion
     wide: Row

@@ -25,8 +25,8 @@ from jacobian.numbers.roots import root
 
 def set_up(given: Row, tilted: bool, wide: Row, point: Row) -> FloatMotion:
     """The motion in floats, from the moments, d, γ and M in ``given``. Writes a
-    :func:`~integrable.moving_point.problem.problem_row` and the units of time in wide numbers to ``wide``, and γ and w
-    of the start to ``point``.
+    :func:`~integrable.moving_point.problem.problem_row` and the units of time in wide numbers to ``wide``, and γ and
+    w = γ × M/|M| of the start to ``point``.
     """
     problem_row(given, tilted, wide)
     s, spin, start, d = wide[12], wide[MOMENTUM], moving_point(wide, START), given[3]
@@ -74,8 +74,8 @@ def cast_shadow(wide: Row, ahead: Row) -> None:
 
 
 def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
-    """Writes ``times`` in the units of the motion, as the sum of two floats each. ``unit`` is the position in ``wide``
-    of the unit of τ or of physical time.
+    """Writes ``times`` in the units of the motion as ``high`` + ``low``. ``unit`` is the position in ``wide`` of the
+    unit of τ or of physical time.
     """
     for i in range(len(times)):
         t = wide[unit] * times[i]

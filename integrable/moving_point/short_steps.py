@@ -45,8 +45,8 @@ from jacobian.element import Real
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# the initial relative distance of the shadow from the motion; it exceeds the error of several additions in
-# double-doubles
+# the initial relative distance from the motion to its shadow (:mod:`integrable.moving_point.short`); it exceeds the
+# error of several additions in double-doubles
 OFF_BY = 2.0**-99
 # :func:`levelled` turns ν. Where the squared derivative of f − V² − UW with respect to the turn is this fraction of its
 # upper bound, the damped turn is half the required one
@@ -56,9 +56,9 @@ LEAST_KAPPA = 2.0**-33
 
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
-    """Computes the translations by h/2^l for levels l up to FINEST or further. The expansion gives the translations at
-    levels where its truncation error is below the rounding of wide numbers; doubling gives the longer translations.
-    Returns whether the expansion suffices at some level.
+    """Computes the translations by h/2^l, h half the length of a panel, for levels l up to FINEST or further. The
+    expansion gives them at levels where its truncation error is below the rounding of wide numbers; doubling gives the
+    longer translations. Returns whether the expansion suffices at some level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
@@ -96,9 +96,7 @@ def exact_at(rows: Expansion, eps: float) -> bool:
 
 
 def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
-    """Computes the translations at the levels ``first`` … ``last`` by their expansion; ``eps`` is the time of the first
-    translation.
-    """
+    """Computes the translations at the levels ``first`` … ``last`` by their expansion; the first is by ``eps``."""
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
         # ``rates`` is still unused, so it holds the times meanwhile
@@ -127,8 +125,8 @@ def expanded(rows: Expansion, axes: Row, eps: Real) -> Row:
 
 
 def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
-    """Computes the translations by h·x/2^level for all nodes x, in wide numbers and in floats. The ``level`` is the
-    first whose translations are not computed yet.
+    """Computes the translations by h·x/2^level for all nodes x, with h as in :func:`panel_steps`, in wide numbers and
+    in floats. The level is the first whose translations are not computed yet.
     """
     level, count = room.made[1], len(rule.nodes)
     while room.made[2] < FINEST + level:
@@ -146,7 +144,7 @@ def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
 
 def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Real) -> None:
     """Writes the translations to the j-th positive node of a level and to its mirror image, by one addition to
-    ``origin``.
+    the translation ``origin``.
     """
     count, power = len(rule.nodes), rule.sums[2 * j + 1]
     step = moving_point(room.steps, 10 * (HALF - level - abs(power)))
@@ -181,7 +179,7 @@ def steps_ahead(room: ShortRoom) -> None:
 
 
 def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
-    """Writes the sum of two rows of translations, restored to its level set, to row ``target``."""
+    """Writes the sum of two rows of translations, corrected as in :func:`led_on`, to row ``target``."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
     if no_level(wide, 0) or no_level(wide, 1) or no_level(wide, 2):
@@ -202,8 +200,8 @@ def no_level(wide: Row, i: int) -> bool:
 
 
 def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
-    """Computes the first centre of the motion and of its shadow, or those of the next :data:`AHEAD` panels, and the
-    data of :func:`seen` at each.
+    """Computes the moving points of the motion and of its shadow at the centre of the first panel if ``first``, else of
+    the next :data:`AHEAD` panels, and the data of :func:`seen` at each.
     """
     if first:
         for j in abreast(0, 2):
@@ -254,8 +252,8 @@ def framed(wide: Row, r: Vector[Real], point: Row) -> tuple[Vector[Real], Vector
 
 
 def levelled(wide: Row, r: Vector[Real], x: Vector[Real], y: Vector[Real], off: float) -> Vector[Real]:
-    """ν = ``y`` of the pairs that :func:`framed` returns, turned about σ = ``x`` so that f = V² mod U. Where f − V² mod
-    U hardly depends on the turn, no turn achieves this, and the turn is damped. ``off`` is the relative difference of
+    """``y``, the ν of the pairs that :func:`framed` returns, after one Newton step towards f ≡ V² mod U. The step turns
+    ν about σ = ``x``; it is damped where f − V² mod U hardly depends on the turn. ``off`` is the relative difference of
     H1/H2 on the required level set from H1/H2 of the motion.
 
     f − V² − UW, with the W of :func:`framed`, is a multiple of Π(x − α_i). It is evaluated at c, below the least α_i.
@@ -326,7 +324,7 @@ def contact_of(wide: Row) -> Vector[Real]:
 
 
 def contact_in_floats(wide: Row) -> tuple[Real, ...]:
-    """r_i in floats, then their rounding errors. Without the rounding errors all nodes would have a common error."""
+    """r_i = I_i/(I_i + d) in floats, then their rounding errors: without these all nodes would have a common error."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)

@@ -17,16 +17,16 @@ from jacobian.numbers.roots import root
 
 # the points of T(half step) lie at about this fraction of the distance from x = 0 to the nearest branch point
 REACH = 0.3
-# the radius of an expansion is estimated from SCOUT terms. For more than FEW translations a longer series is computed,
-# for which half a step is halved only once per HALVED_FROM bits
+# the radius of an expansion is estimated from SCOUT terms. More than FEW translations are computed by a longer series,
+# whose argument, half a step, is halved only once per HALVED_FROM bits
 SCOUT = 24
 HALVED_FROM = 2500
 FEW = 6
 
 
 class Translations:
-    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are those of :mod:`integrable.moving_point.addition`;
-    ``half_step`` is half of a basic step, chosen by REACH.
+    """The translations T(eps) of one curve, in bare reals. ``f`` and ``axes`` are as in
+    :mod:`integrable.moving_point.addition`. ``half_step``, half of a basic step, is the largest eps of the series.
     """
 
     few: float = FEW
@@ -75,8 +75,8 @@ class Translations:
         return all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in rows[:4])
 
     def _terms(self, radius: float, size: float) -> int:
-        """The number of terms that give all digits at an eps of this ``size``. ``size`` and the expansion's ``radius``
-        are in half steps.
+        """The number of terms that give all digits of T(eps) at |eps| = ``size``, by a series that converges up to
+        ``radius``. The unit of both is half a basic step.
         """
         return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 
@@ -109,8 +109,8 @@ class Translations:
         return u0, u1, v0, v1, *sigma, *nu
 
     def _whole(self, sums: Row, terms: int, square: Real) -> Row:
-        """The four series at eps² = ``square``, from the ``sums`` of their first ``terms`` terms. Here these are the
-        series to the last digit; a subclass adds bounds of the remainders.
+        """The four series at eps² = ``square``, from the ``sums`` of their first ``terms`` terms. In this class
+        later terms do not change the last digit; a subclass adds bounds of the remainders.
         """
         return sums
 
@@ -152,7 +152,7 @@ class Translations:
 
 class Expansion(NamedTuple):
     """Rows for the coefficients of u0, u1, v0/eps and v1·eps of T(eps), power series in z = eps², and for auxiliary
-    series: s0 and ``squares`` = (v1·eps)² (:func:`expand_orders`), and ``less``, the coefficients of w0 + 4/z.
+    series: s0, ``squares`` = (v1·eps)², and ``less`` = w0 + 4/z, with s0 and w0 as in :func:`expand_orders`.
     """
 
     u0: Row
@@ -186,7 +186,7 @@ def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
 
     The orders follow from u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0, where W =
     (f − V²)/U and s0 = w1 − f5u0 (``BallMotion._velocity`` in :mod:`integrable.motion.enclosure`). These equations
-    leave two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + … are prescribed.
+    leave two coefficients undetermined (resonance), so u0 = −f0z/4 + … and u1 = −f1z/12 + …, z = eps², are prescribed.
     """
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows

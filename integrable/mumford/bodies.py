@@ -63,7 +63,7 @@ class BodyFlow(MumfordFlow):
 
     @cached_property
     def _clocks(self) -> dict[int, SeriesClock | WalkedClock]:
-        """The last clock, under its number of digits."""
+        """The last clock; its key is its number of digits."""
         return {}
 
     def _places(self, times: list[Real]) -> list[Real]:
@@ -76,7 +76,7 @@ class BodyFlow(MumfordFlow):
                 "within reach"
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
-        # another thread may replace the dictionary
+        # the clock is kept in a variable, since another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
@@ -178,7 +178,7 @@ class BodySystem(SurfaceSystem):
         return N.one, N.zero
 
     def _rate_at(self, N: FormulaField) -> Rate:
-        """dt/dτ = √s, where s = Πc_i/(q²U(−p/q)) for l(x) = p + qx, q ≠ 0."""
+        """dt/dτ = √(Πc_i/(q²U(−p/q))) for l(x) = p + qx, q ≠ 0, and c_i = l(a_i)."""
         (p, q), (first, second, third) = self._light(N), self._weights(N)
         return Rate(-p / q, -1, N.sqrt(first * second * third) / abs(q))
 
@@ -208,7 +208,7 @@ class BodySystem(SurfaceSystem):
         The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of the
         c_i coincide over N.
         """
-        # 0 is included: it is the value of l at another branch point, the root of l
+        # the c_i are the values of l at three branch points; the root of l, with the value 0, is another one
         weights = [N.zero, *sorted(self._weights(N))]
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0

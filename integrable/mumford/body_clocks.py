@@ -106,7 +106,7 @@ class WalkedClock:
         )
 
     def _panel(self, n: int) -> tuple[list[Real], Real]:
-        """The series of dt/dτ on panel n, where τ is between n and n + 1 lengths, and the length of the panel in t."""
+        """The series of dt/dτ on panel n, from τ = n·``length`` to (n + 1)·``length``, and the panel's length in t."""
         if n not in self._panels:
             values = [self._rate(self._half * (2 * n + 1 + x)) for x in self._rule.nodes]
             series = self._rule.coefficients(values)

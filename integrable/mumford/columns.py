@@ -19,7 +19,7 @@ EXP_BITS = 140
 class Column:
     """A double-double number hi + lo; both parts are floats, or arrays of one shape (Dekker 1971)."""
 
-    # makes numpy leave the operation array ∘ column to this class
+    # makes numpy leave operations of an array with a Column to this class
     __array_ufunc__ = None
     __slots__ = ("hi", "lo")
 

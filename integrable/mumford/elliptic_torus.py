@@ -1,10 +1,10 @@
 """States at far times of motions of genus 1 with real data: theta functions give sn, cn and dn of a phase linear in
 time.
 
-On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point of D moves between x₁ and x₂ (:class:`EllipticOval`). There x = x₁ +
-(x₂ − x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn, cn and dn,
-signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where E is the
-largest root.
+On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the divisor is one point, with x from x₁ to x₂ (:class:`EllipticOval`). There
+x − x₁ = (x₂ − x₁)sn², x₂ − x = (x₂ − x₁)cn² and x₃ − x = (x₃ − x₁)dn². So lifts at branch points are multiples of sn,
+cn and dn, signs included. Models with ℓ < 0 are first transformed by x ↦ −x, those of degree 4 by x ↦ 1/(E − x), where
+E is the largest root.
 """
 
 from __future__ import annotations
@@ -91,8 +91,9 @@ class EllipticOval:
     """A point that moves on Z'² = 4(Z − e₁)(Z − e₂)(Z − e₃) in the oval e₁ ≤ Z ≤ e₂ ≤ e₃, in long numbers.
 
     The roots R₁ = √(Z − e₁), R₂ = √(e₂ − Z) and R₃ = √(e₃ − Z) are multiples of sn, cn and dn. Their signs are those
-    for which Z' = 2R₁R₂R₃ and R₃ > 0, so R₁ and R₂ change sign. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂; ``start``
-    are R₁ and R₂ ≥ 0 at the start. ``period`` is the time in which Z returns, ``phase`` the turns since Z = e₁.
+    for which Z' = 2R₁R₂R₃ and R₃ > 0, so R₁ and R₂ change sign. ``swing`` is e₂ − e₁, ``above`` is e₃ − e₂. As an
+    argument ``start`` has R₁ and R₂ ≥ 0 at the start, as an attribute also R₃. ``period`` is the time in which Z
+    returns, ``phase`` the turns since Z = e₁.
     """
 
     def __init__(self, N: LongField, swing: Real, above: Real, start: Sequence[Real]) -> None:
@@ -139,9 +140,9 @@ class EllipticOval:
 class CubicModel(NamedTuple):
     """A cubic with leading coefficient ``lead`` = ℓ > 0, and the start of a motion on it.
 
-    ``first``, ``swing`` and ``above`` are x₁, x₂ − x₁ and x₃ − x₂; ``place`` and ``height`` are x and y of the point;
-    ``pace`` is dx/y per unit time. ``side`` is −1 if the sign of x was reversed. ``pole`` is the root that was moved to
-    infinity.
+    ``first``, ``swing`` and ``above`` are x₁, x₂ − x₁ and x₃ − x₂ for the roots x₁ ≤ x₂ ≤ x₃. ``place`` and ``height``
+    are x and y of the point; ``pace`` is dx/y per unit time. ``side`` is −1 if the sign of x was reversed. ``pole`` is
+    the root that was moved to infinity.
     """
 
     lead: Real
@@ -222,7 +223,9 @@ def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
 def _lift(
     N: LongField, model: CubicModel, slope: Real, oval: EllipticOval, given: tuple[Real, Sequence[Real]]
 ) -> tuple[Column, Column, Column, int]:
-    """(κ, the factor of σ, the factor of ν, the index of σ among R₁, R₂, R₃) for a lift given as (e, datum)."""
+    """(κ, s, n, k) for the lift (κ, σ, ν) at e: at all times σ is s times the root with index k among R₁, R₂ and R₃,
+    and ν is n times the product of the other two. ``given`` is e with the lift at the start.
+    """
     e, (kappa, sigma, nu) = given
     x, swing = model.side * e, model.swing
     gaps = [abs(x - root) for root in (model.first, model.first + swing, model.first + swing + model.above)]
@@ -232,14 +235,14 @@ def _lift(
         raise PrecisionLoss(APART)
     size = N.sqrt(square)
     own, one, other = (oval.start[k] for k in (which, which - 1, which - 2))
-    # if the point is at e, then σ = 0, and the sign is that of ν
+    # the sign of s follows from σ, or from ν if the point is at e, where σ = 0
     if (own * sigma if own * own > NEAR * NEAR * swing else one * other * slope / kappa * nu) < 0:
         size = -size
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
 
 
 def means(N: LongField, b: Real) -> list[tuple[Real, Real]]:
-    """The steps (a, b) of the arithmetic-geometric mean of 1 and b; the last pair is the mean."""
+    """The pairs (a_n, b_n) of the arithmetic-geometric mean of a_0 = 1 and b_0 = ``b``; in the last, a_n = b_n."""
     a, found = N.one, []
     while True:
         found.append((a, b))

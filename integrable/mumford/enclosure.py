@@ -106,6 +106,6 @@ class PlaceOfFlow(EnclosedPlace):
 
 
 def _size(before: Sequence[arb], now: Sequence[arb]) -> Real:
-    """A lower bound of the largest entry of a vector at the start and now; 1 if none is proven different from 0."""
+    """A lower bound of the largest |entry| of ``before`` and ``now``; 1 if no entry is proven different from 0."""
     size = max(abs(x).abs_lower() for x in (*before, *now))
     return size if size > 0 else 1

@@ -41,7 +41,7 @@ def multiplier(K: Arithmetic, u: Poly, direction: Sequence[Real]) -> Poly:
 
 
 def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Real]) -> tuple[Poly, Poly]:
-    """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U, with the n of :func:`multiplier`."""
+    """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U, n of :func:`multiplier`, W = (f − V²)/U."""
     size, n = len(u) - 1, multiplier(K, u, direction)
     of_u = poly.mod(K, poly.mul(K, n, v), u)
     twice = poly.mod(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
@@ -51,7 +51,7 @@ def rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, direction: Sequence[Real]) -
 
 def generating_rates(K: Arithmetic, f: Poly, u: Poly, v: Poly, a: Real) -> tuple[Poly, Poly]:
     """(U', V') along the direction c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)) with r = W
-    mod U.
+    mod U and the W of :func:`cofactor`.
     """
     size = len(u) - 1
     rest = poly.mod(K, cofactor(K, f, u, v), u)

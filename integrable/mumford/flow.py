@@ -164,7 +164,7 @@ class MumfordFlow(StateFlow[Path]):
         return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """The microseconds that the method after Taylor series takes for ``count`` times, its set-up included."""
+        """The microseconds for the set-up and ``count`` states: on the torus or, if there is none, by additions."""
         if self._of_a_torus:
             return (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)].of(count)
         return self._cost_of_additions(count)
@@ -173,15 +173,15 @@ class MumfordFlow(StateFlow[Path]):
         return min(self._cost.of(count), LONGEST)
 
     def _near(self, times: np.ndarray) -> Near | None:
-        """The states by Taylor series, in floats: at all ``times`` that series reach at a lower cost than the next
-        method. None over a field other than RR, or if the formulas of the system cannot be recorded.
+        """The states by Taylor series, in floats: at all ``times`` that series reach at a cost below
+        :meth:`_budget`. None over a field other than RR, or if the formulas of the system cannot be recorded.
         """
         kind = None if times.dtype.hasobject else self.system._kind
         return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
-        """The states in ``near``, and those at further ``times`` that Taylor series with more digits reach at a lower
-        cost than the next method. None if ``near`` is None.
+        """The states in ``near``, and those at further ``times`` that Taylor series with the finest steps reach. The
+        series may cost a fraction of a torus or, if there is no torus, as much as additions. None if ``near`` is None.
         """
         if near is None:
             return None
@@ -219,7 +219,6 @@ class MumfordFlow(StateFlow[Path]):
 
     @property
     def _in_floats(self) -> bool:
-        """Whether states may be computed by compiled loops."""
         return bool(self.system.field == RR and not interpreted())
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
@@ -344,8 +343,8 @@ class MumfordFlow(StateFlow[Path]):
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
         """The function ``pairs(K, halves, turned)`` that returns the pair of the state in :meth:`_states_on`.
 
-        The data of the pair are its lifts, with their signs at the start; 0 in place of the time t, where t is a datum;
-        and ``turned``.
+        The data of the pair are its lifts, each with the sign that continues that of the start; 0 for a datum that is
+        the time t; and ``turned``.
         """
         start, ends = self._place(N), self._ends(N)
         here = iter(torus.pair_at(N, torus.halves, ends)[2])

@@ -34,9 +34,9 @@ MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """The start of a motion: f, the pair (u, v) at τ = 0, its ``data``, one datum for each of ``kinds``, and the
-    direction of τ.
+    """The start of a motion: f, the pair (u, v) at τ = 0, and the direction of τ.
 
+    ``kinds`` are the data that the pair carries (:class:`Lift`, for example), ``data`` the value of each at τ = 0.
     ``further`` are the directions of any other times on which the pair depends.
     """
 
@@ -67,11 +67,11 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # the last ``further`` that :meth:`at` was given, and D at τ = 0 and these times: many calls differ only in τ
+        # the times ``further`` of the last call of :meth:`at`, and D at them and τ = 0: many calls differ only in τ
         self._carried: tuple[tuple[Real, ...], Extended] = ((), self.start)
 
     def translations(self, which: int = 0) -> GroupTranslations:
-        """The translations along one direction."""
+        """The translations along direction number ``which``."""
         if which not in self._translations:
             self._translations[which] = self._kind(self.group, self._directions[which], self._ends)
         return self._translations[which]
@@ -86,7 +86,7 @@ class Placed:
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
 
     def at(self, tau: Real, further: tuple[Real, ...] = ()) -> Extended:
-        """D at τ and at the times ``further`` along the further directions."""
+        """D at the time τ along the first direction and the times ``further`` along the others."""
         if self.rests:
             return self._resting(tau)
         kept, D = self._carried
@@ -272,10 +272,10 @@ def _at_clock(placed: Placed, target: Real, clock: TimeAt, near: Real | None) ->
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # bisection if convergence is slow: with the cubic alone the steps may alternate between both sides forever
+            # steps by the cubic alone may alternate between both sides forever; bisection ends slow convergence
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
-            # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` of the mean
+            # where dt/dτ is small, Newton's step is too long. So the rate is taken as at least ``flat`` times the mean
             # rate; ``flat`` decreases if steps are then too short
             flat = flat / 16 if slow else flat
             step = rest / max(rate, mean * flat)

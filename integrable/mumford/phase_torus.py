@@ -86,7 +86,7 @@ class PhaseTorus(FarTimes):
         self._begin = [*map(Column.of, torus.swings_at_start)]
 
     def at(self, times: np.ndarray) -> Any:
-        """The values of ``read`` at N times."""
+        """The values of the function ``read`` (:class:`PhaseTorus`) at N times."""
         phases = [Column(times) * nu for nu in self._frequencies]
         phases[: self._genus] = [x + place for x, place in zip(phases, self._places, strict=False)]
         whole = [np.rint(x.hi) for x in phases]

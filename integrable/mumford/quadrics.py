@@ -43,8 +43,8 @@ class QuadricSystem(MumfordSystem):
         raise NotImplementedError
 
     def _first(self, N: FormulaField, u: poly.Poly, v: poly.Poly) -> Point:
-        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, which have no axes, and their
-        p, from a pair.
+        """Defined by subclasses with ``before`` > 0: the first ``before`` coordinates q, to which no a_i belong, and
+        their momenta p, from a pair.
         """
         return Point((), ())
 
@@ -58,7 +58,6 @@ class QuadricSystem(MumfordSystem):
         return Point(state.q[self.before :], state.p[self.before :])
 
     def _pull(self, N: FormulaField, state: Point) -> list[Real]:
-        """l_i²/q_i² for each axis; 0 if l_i = 0."""
         q, _ = self._axes(state)
         return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
 
@@ -102,7 +101,7 @@ class QuadricSystem(MumfordSystem):
         return Start(f, u, v, self._direction(N, len(v)), [Lift(axis[0]) for axis in free], data)
 
     def _along_axes(self, N: FormulaField, state: Point) -> Iterator[tuple[Real, ...]]:
-        """(a_i, εd_i, l_i, q_i, p_i) for each axis, d_i = f₁'(a_i)."""
+        """(a_i, εd_i, l_i, q_i, p_i) for each axis, with d_i = f₁'(a_i) and ε, l_i and f₁ of the module's docstring."""
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         signed = [self.sign * poly.evaluate(N, slopes, e) for e in a]
@@ -121,12 +120,13 @@ class QuadricSystem(MumfordSystem):
         return Point(q, p)
 
     def step(self, state: Point, point: tuple[Real, Real], roots: Sequence[Real] | None = None) -> Point:
-        """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion; all l_i must be 0.
+        """The state of D + (λ, μ) − ∞, where D is the pair of ``state``; all l_i must be 0.
 
-        ``point`` = (λ, μ) with μ² = f(λ). On the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ
-        the leading coefficient of f, and c = (μ − V(λ))/U(λ). ``roots`` replaces the square roots in A. For large λ the
-        map is a time step of about 1/√(ℓλ), forward or backward by the sign of μ. ArgumentError if the point is not on
-        the curve, NotASquare if a square root does not exist.
+        The map is canonical and commutes with the motion. ``point`` is (λ, μ) with μ² = f(λ). On the axes
+        q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃ with A = diag√(−ℓ(a_i − λ)), ℓ the leading coefficient of f, and
+        c = (μ − V(λ))/U(λ). ``roots`` replaces the square roots in A. For large λ the map is a time step of about
+        1/√(ℓλ), forward or backward by the sign of μ. ArgumentError if the point is not on the curve, NotASquare if a
+        square root does not exist.
         """
         if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")

@@ -1,4 +1,4 @@
-"""The formulas that convert states of one kind of system to pairs and back, recorded once as tapes of operations.
+"""The formulas that convert states of one kind of system to pairs (U, V) and back, recorded once as tapes.
 
 An operation of a formula in Python takes microseconds. Evaluated from its tape it takes a tenth of that in long
 numbers, and nanoseconds in double-doubles, where a compiled loop applies the tape to many pairs at once.
@@ -121,11 +121,11 @@ class PointFormulas:
         self._fixed, self._rooms = LongTape(fixed), list[np.ndarray]()
 
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
-        """The values of all operations on the first ``count`` variables alone, in double-doubles."""
+        """The values of all operations that depend on the first ``count`` variables only, in double-doubles."""
         return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
-        """The results at N points, shape (N, results, 2); ``given`` has the shape (other variables, N, 2)."""
+        """The results at N points, (N, results, 2). ``given``: the variables from ``count`` on, (variables, N, 2)."""
         (variables, count, _), codes, wide = given.shape, self._codes, len(self._results)
         out = np.empty((count * wide, 2))
         # memory is reused, because to allocate it takes as long as the operations on several points

@@ -107,7 +107,8 @@ def _over(start: Ball, row: Sequence[Ball]) -> list[Ball]:
 
 
 class PointMotion:
-    """D(τ) along a direction from the pair with ``points`` (xs, ys), with the third-kind integrals for ``others``.
+    """D(τ) along a direction from the pair with ``points`` (xs, ys), with the integrals of the third
+    kind ∫dx/(y(x − e)) for each e in ``others``.
 
     ``field`` is a field of long numbers, or of balls, which then contain D(τ). Series have ``order`` terms.
     """
@@ -133,7 +134,7 @@ class PointMotion:
             """The approximate time at which the first point reaches the boundary of its disc."""
 
     def at(self, time: Real) -> tuple[Poly, Poly, Real, list[Real]]:
-        """(U, V, Ω, the third-kind integrals) of D(τ), Ω = Σ∫x^g dx/y."""
+        """(U, V, Ω, integrals of the third kind) of the divisor D(τ), τ = ``time``; Ω = Σ∫x^g dx/y over its points."""
         back = self._field.from_ball
         with self._balls as K:
             moves = self._moves(*self._field.balls([time]))
@@ -164,7 +165,7 @@ class PointMotion:
         raise PrecisionLoss("a translation was not found at this precision: use more digits")
 
     def _missing(self, time: Ball, moves: Sequence[Ball]) -> list[Ball]:
-        """The residuals c_kτ − Σ_i∫x^k dx/y of the equations for the ``moves`` of the points in the ``time`` τ."""
+        """The residuals c_kτ − Σ_i∫x^k dx/y at τ = ``time``, with ``moves`` as in :meth:`_moves`."""
         sums = self._sums(moves, slice(len(self._points)))
         return [c * time - total for c, total in zip(self._direction, sums, strict=True)]
 

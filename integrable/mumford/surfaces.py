@@ -12,7 +12,7 @@ from jacobian.element import FormulaField, Real
 class SurfaceSystem(MumfordSystem):
     """Base class of systems on the surface (n, q) = 1, where n is normal to it at q; on the unit sphere n = q.
 
-    The constraints are the first one, two or three of (n, q) = 1, (n, p) = 0 and p ≠ 0, as many as
+    Of the constraints (n, q) = 1, (n, p) = 0 and p ≠ 0 a system has the first, the first two or all three, as many as
     ``_constraint_names`` has.
     """
 

@@ -67,8 +67,8 @@ class Spectral(NamedTuple):
 
 
 class MumfordSystem(Made):
-    """Base class of systems over ``field``, with its elements ``constants`` and ``parameters``; ``size`` is the number
-    of q.
+    """Base class of systems. The ``constants`` and ``parameters`` are elements of ``field``; ``size`` is the number of
+    coordinates q.
     """
 
     field: Field
@@ -90,7 +90,7 @@ class MumfordSystem(Made):
             raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
         vars(self).update(field=field, constants=constants, size=len(constants))
 
-    # --- the table of a system
+    # --- the table of a system's formulas
 
     def _constraints(self, N: FormulaField, state: Point) -> Sequence[Real]:
         """Defined by subclasses: the values, over N, that must be 0 at a state."""
@@ -174,7 +174,7 @@ class MumfordSystem(Made):
         """Defined by subclasses whose pairs have t among their data: (t, dt/dτ) at a divisor of the motion."""
         raise NotImplementedError
 
-    # --- derived from the table
+    # --- derived from these formulas
 
     @property
     def numbers(self) -> Any:
@@ -319,7 +319,6 @@ class MumfordSystem(Made):
 
     @property
     def _standing(self) -> tuple[bool, ...]:
-        """Which parameters differ from 0."""
         return tuple([x != self.field.zero for x in self.parameters])
 
     @property

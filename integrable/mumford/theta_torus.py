@@ -8,7 +8,7 @@ real periods. Models of degree 6 with real roots are first transformed by x ↦ 
 
 If each bounded oval has one of the points, periods and phases are computed in double-doubles as for the ball,
 otherwise by quadrature (:mod:`jacobian.periods.paths`). The mean of dt/dτ is a determinant of elliptic integrals or
-follows from θ_∞; t is this mean times τ plus a Fourier series.
+follows from θ_∞, the theta function of ∞; t is this mean times τ plus a Fourier series.
 """
 
 from __future__ import annotations

@@ -20,13 +20,13 @@ from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about 2^−PART of the time in which the first point of E reaches the boundary of the disc of its series, so each
+# h is about 2^−PART of the time in which a point of the reference divisor E leaves the disc of its series: each
 # term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 6, 8
-# let R be the largest root of the U of E. T is in general position under two conditions. The roots of its U are at most
-# NEAR·R in size. At |x| = R the sum of |terms of V| is at most NEAR times the square root of that sum for f. V is
-# large if T nearly contains a point P and its image under y ↦ −y. In genus 4, T(τ) along (1, 0, …) for a short τ nearly
-# contains two such pairs of points near x = 0. Sums with such a T lose hundreds of bits
+# let R be the largest root of the U of E. A translation (U, V) is in general position under two conditions. The roots
+# of U are at most NEAR·R in size. At |x| = R the sum of |terms of V| is at most NEAR times √(sum of |terms of f|).
+# V is large if the translation nearly contains a point P and its image under y ↦ −y. In genus 4, T(τ) along (1, 0, …)
+# for a short τ nearly contains two such pairs of points near x = 0. Sums with such a T lose hundreds of bits
 NEAR = 4
 
 
@@ -67,7 +67,7 @@ class GroupTranslations:
         self._unseen = FRACTION
 
     def _reference(self) -> tuple[list[Real], list[Real]]:
-        """The points of E and P₀, chosen so that points of a motion on real ovals do not come near them."""
+        """The abscissas and ordinates of the points of E, then P₀; points of a motion on real ovals stay away."""
         return reference(self.group)
 
     def carried(self, D: Extended, tau: Real) -> Extended:
@@ -120,8 +120,8 @@ class GroupTranslations:
     def _corrected(self, D: Extended, only_lifts: bool = False) -> Extended:
         """D moved back onto the curve; with ``only_lifts``, D with its lifts computed again from U and V.
 
-        Where degree and genus are odd, the sums have divided κ by ℓ², with the leading coefficient ℓ of f. There each
-        lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
+        Where degree and genus are odd, the additions that gave D divided κ by ℓ², ℓ being the leading coefficient of
+        f. There each lift (κ, σ, ν) becomes (κℓ², σ/ℓ, ν/ℓ), so that κ is the same at every time.
         """
         group = self.group
         if self._drifts:
@@ -159,7 +159,7 @@ class GroupTranslations:
         return bool(self.group.size_of_x(D.u) < NEAR * self._size and flat)
 
     def _near(self, time: Real) -> Extended:
-        """E(time), with its data."""
+        """E(time), the reference divisor E moved for a short time, with its data."""
         u, v, omega, thirds = self._series.at(time)
         return self._placed(u, v, omega, self._start, thirds)
 
@@ -177,7 +177,7 @@ class GroupTranslations:
                 value, first = (poly.evaluate(K, a, kind.e) for a in (u, start))
                 data.append(kind.of(self.group, u, v, K.sqrt(value / first)))
             elif isinstance(kind, PointLift):
-                # σ'/σ = ½U(x)'/U(x) + ½n(x)y/U(x), where ' is d/dτ and n the multiplier; for σ̄ y is replaced by −y
+                # σ'/σ = ½(U(x)' + n(x)y)/U(x), ' = d/dτ, n the multiplier (mumford.fields); for σ̄ −y replaces y
                 value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
                 root, turn = K.sqrt(value / first), elementary(K, "exp", kind.y * next(integrals, K.zero) / 2)
                 data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))

@@ -1,4 +1,4 @@
-"""Gauss–Legendre of order 16 and Taylor series, compiled for every kind of system, as methods."""
+"""Two methods that are compiled for every kind of system: Gauss–Legendre of order 16, and Taylor series."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Gauss16(Method):
     """Gauss–Legendre of order 16, with a fixed step or steps chosen for a tolerance.
 
     A time between two steps is reached by an extra, shorter step. Raises PrecisionLoss if the stages do not
-    converge. ``evaluations`` counts right-hand sides.
+    converge. ``evaluations`` counts evaluations of the right-hand side.
     """
 
     def build(self, kind: Kind, setting: Any) -> Built:
@@ -64,8 +64,7 @@ class CompiledTaylor(Method):
 
 
 def _built(kind: Kind, run: Callable[..., int], failure: Callable[[], Exception]) -> Built:
-    """A compiled loop ``run`` as the result of :meth:`integrable.oracles.method.Method.build`. This call compiles or
-    loads the loop.
+    """The result of :meth:`integrable.oracles.method.Method.build` for a loop ``run``, which it compiles or loads.
 
     ``run`` writes the states into its last argument and returns its cost, or a negative number if it fails.
     """

@@ -1,6 +1,6 @@
-"""Published discretizations of the Euler top, d = 0: Moser–Veselov with its attitude, and Hirota–Kimura.
+"""Published discretizations of the Euler top, d = 0: Moser–Veselov and Hirota–Kimura.
 
-* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991) with the attitude that turns γ. It
+* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991); the rotation of a step also turns γ. It
   preserves |M|², (γ, M), |γ| and the energy. Its order is 2, or 4 with the modified moments of Hairer and Vilmart
   (2006).
 * :func:`hirota_kimura`: the explicit birational Euler top of Hirota and Kimura (2000), which is Kahan's rule on
@@ -132,7 +132,7 @@ def _determinant(m: Sequence[Sequence[Any]]) -> Any:
 
 
 def _rotation(J: Vector, M: Vector, h: Any) -> tuple[Any, Vector, int]:
-    """The quaternion (e0, e) of a step: h·M_1 = 2e0·J_1e_1 + 2e_2e_3(J_3 − J_2), cyclic."""
+    """e0, e and the number of iterations. The quaternion (e0, e): h·M_1 = 2e0·J_1e_1 + 2e_2e_3(J_3 − J_2), cyclic."""
     e = [h * m / (2 * x) for m, x in zip(M, J, strict=True)]
     change = None
     for iteration in range(MOST_ITERATIONS):

@@ -6,7 +6,7 @@ a_i = 1/I_i and constants A_i, λ, u_0 and n,
 
     M = (A_1 cn u, A_2 sn u, A_3 dn u),  u = λt + u_0,  φ = |M|a_3t + (|M|(a_1 − a_3)/λ)·(Π(n; am u) − Π(n; am u_0)).
 
-The vector γ, fixed in space, turns by −φ about M, measured from the normal to M and the third axis. Phases are reduced
+The vector γ, fixed in space, turns by −φ about M relative to the normal to M and the third axis. Phases are reduced
 modulo their periods in extended precision, so the error does not grow with t. With t taken as exact, floats are as
 accurate at t = 10^12 as at t = 1. Nothing here is shared with the flow of this package.
 """
@@ -62,7 +62,7 @@ class EllipticTop:
         self._phase(a, gamma, M)
 
     def _amplitudes(self, a: Vector, M: Vector) -> None:
-        """Sets the amplitudes A_i, the rate λ, the parameter m, the characteristic n, and u at time 0."""
+        """Sets A_i, λ, n and u_0 of the module's docstring, and the parameter m of the elliptic functions."""
         c = self.context
         square = [m * m for m in M]
         # (M, AM) − a_3|M|² and a_1|M|² − (M, AM) are computed as sums of terms of one sign, so that no digits cancel
@@ -163,7 +163,7 @@ class EllipticTop:
         return c.re(c.ellippi(n, amplitude, self.parameter))
 
     def _floats(self, places: list[tuple[Any, int]], angles: Vector) -> np.ndarray:
-        """Rows of γ and M in floats, by SciPy, from reduced values of u and reduced angles."""
+        """γ and M in floats, by SciPy. ``places`` are from :meth:`_reduced`; ``angles`` are reduced modulo 2π."""
         needed("scipy", "the closed form in floats")
         from scipy.special import ellipj, elliprf, elliprj
 
@@ -190,7 +190,7 @@ def _steady(a: Vector, M: Vector) -> bool:
 
 
 def _axes(a: Vector, M: Vector) -> tuple[list[int], int]:
-    """The axes in the order of the closed form, with the one that M circles last, and the sign of this permutation."""
+    """The axes in the order of the closed form, in which M circles the last one, and the sign of this permutation."""
     order = sorted(range(3), key=lambda i: a[i], reverse=True)
     i, j, k = order
     if (a[i] - a[j]) * M[i] ** 2 > (a[j] - a[k]) * M[k] ** 2:

@@ -1,4 +1,4 @@
-"""Exact operations on floats for compiled code. Importing it imports numba."""
+"""Exact operations on floats for compiled code. Importing this module imports numba."""
 
 from __future__ import annotations
 

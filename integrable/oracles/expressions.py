@@ -34,7 +34,7 @@ class Node(NamedTuple):
 
     @property
     def lines(self) -> tuple[int, ...]:
-        """The lines on which the operation acts; none for an input or a number."""
+        """The numbers of the lines on which the operation acts; () for an input or a number."""
         return () if self.op in ("y", "c", "number") else self.args
 
 
@@ -113,8 +113,8 @@ def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
 def evaluated(
     nodes: Iterable[Node], y: Sequence[Any], c: Sequence[Any], number: Callable[[Any], Any], context: Any = None
 ) -> list[Any]:
-    """The value of every line of a program. The numbers may be of any type that overloads the operators, such as
-    symbolic expressions.
+    """The values of all lines of a recorded formula for variables ``y`` and constants ``c`` of any type that overloads
+    the operators, such as symbolic expressions.
     """
     values: list[Any] = []
     for op, args in nodes:
@@ -139,7 +139,7 @@ _DO: dict[str, Callable[[Any, Any], Any]] = {
 
 
 class _Book:
-    """The recorded lines without repetition, and the value of each at one state, for formulas that compare numbers."""
+    """The lines of a recorded formula, each once, and their values at one state, which its comparisons use."""
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
@@ -246,7 +246,7 @@ class Symbol:
 
 
 class Numbers:
-    """The field in which a formula is recorded. Constants become inputs "c" of the program, except 0 and ints."""
+    """The field in which a formula is recorded. Constants become inputs "c" of the program, except ints and zeros."""
 
     name, exact, characteristic, order, eps = "symbols", False, 0, None, 2.0**-52
     add, sub, mul, div = map(staticmethod, _DO.values())

@@ -6,8 +6,8 @@ stages are solved by fixed-point iteration, which ends when it no longer improve
 floats, so the step has no systematic rounding error; γ and M are pairs of floats too (compensated sums).
 
 The coefficients a_ij are used as μ_ij = a_ij/b_j with μ_ij + μ_ji = 1 exactly, so the rounded method preserves
-quadratic integrals (Antoñana, Makazaga and Murua 2017). The iteration of a step starts from the slopes that the
-collocation polynomial of the previous step, extrapolated, has at the stages. The step is fixed, or adapted to a
+quadratic integrals (Antoñana, Makazaga and Murua 2017). The iteration of a step starts from slopes that are
+extrapolated by the polynomial through the slopes of the previous step. The step is fixed, or adapted to a
 tolerance by the last Legendre coefficient of the stages.
 """
 
@@ -156,9 +156,8 @@ def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
-    """(h·|c|)² relative to γ and M, where c is the last Legendre coefficient of the slopes ``k`` of the stages.
-
-    This is an estimate of the step's error, of order h^16.
+    """The larger of (h·|c|)²/|γ|² and (h·|c|)²/|M|², where c is the last Legendre coefficient of the slopes ``k`` of γ
+    or of M at the stages: an estimate of the step's error, of order h^16.
     """
     found = 0.0
     half = len(y) // 2
@@ -265,7 +264,7 @@ def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
 def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
     """Integrates in steps of one length, with an extra shorter step to each time of ``times``.
 
-    Returns the number of right-hand sides, or FAILED.
+    Returns the number of evaluations of the right-hand side, or FAILED.
     """
     (sign, step), (nodes, weights, weights_low, ratios, _, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)

@@ -2,7 +2,7 @@
 
 It is built once for a kind and a tolerance, with the system's constants as parameters ``par[i]``. A start sets the
 state, the parameters and the time. heyoka compiles when the integrator is built, and caches on disk
-(HEYOKA_CACHE_DIR). It is an optional dependency, ``pip install 'jacobian-integrable[peers]'``, imported on first use.
+(HEYOKA_CACHE_DIR). heyoka is optional, ``pip install 'jacobian-integrable[peers]'``, and is imported on first use.
 """
 
 from __future__ import annotations
@@ -115,6 +115,5 @@ def _of_any_times(
 
 
 def _long_double(x: Any) -> Any:
-    """A number, of double or higher precision, as a long double."""
     high = float(x)
     return np.longdouble(high) + np.longdouble(float(x - high))

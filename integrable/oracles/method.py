@@ -169,7 +169,7 @@ class Method(ABC):
     def solve(self, system: Any, state: Any, times: Iterable[Any], setting: Any) -> Solution:
         """γ and M at ``times``, each of shape (N, 3); for other systems q and p, each of shape (N, n).
 
-        The state is that at time 0; times may be in any order and of either sign. An integrator that fails raises
+        ``state`` is the state at time 0; times may be in any order and of either sign. An integrator that fails raises
         PrecisionLoss (the equations of a step have no solution) or RuntimeError (the message is SciPy's or heyoka's).
         No integrator detects an error that is merely large.
         """

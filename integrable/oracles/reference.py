@@ -109,8 +109,8 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
 def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
     """The motion by :func:`mpmath.odefun` at ``digits`` digits, as a user of mpmath would run it: arrays of mpf.
 
-    ``evaluations`` counts right-hand sides. ``odefun`` differentiates numerically and evaluates right-hand sides at
-    several times the digits, so numbers of a fixed precision would not suffice.
+    ``evaluations`` counts evaluations of the right-hand side. Because ``odefun`` differentiates numerically, it
+    evaluates the right-hand side with several times as many digits.
     """
     context = _context(digits, 0)
     rates = body_equations([_number(context, x) for x in body.inertia], _number(context, body.d))
@@ -197,7 +197,7 @@ class _Series:
         w: list[list[Any]] = [[], [], []]
         above: list[Any] = []  # (γ, AM)
         below: list[Any] = []  # g⁻² = Σ I a γ²
-        ratio: list[Any] = []  # n
+        ratio: list[Any] = []  # n = (γ, AM)/g⁻²
         for k in range(self.order):
             rx = [c[::-1] for c in x]
             above.append(sum(a[i] * dot(m[i], rx[i]) for i in range(3)))

@@ -49,7 +49,7 @@ def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: A
 
 
 def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, Any]]:
-    """(index, whole steps, rest) of each time of one sign, sorted by size. The division of floats is exact.
+    """(index, whole steps, rest) of each time of one sign, sorted by size. Floats are divided exactly.
 
     Raises ArgumentError unless the step is positive.
     """
@@ -77,7 +77,7 @@ def by_sign(
     the number of evaluations.
     """
     rows, half, work = np.empty((len(wanted), len(start))), len(start) // 2, 0
-    if len(wanted) and wanted[0] >= 0 and (wanted[1:] >= wanted[:-1]).all():  # the usual case
+    if len(wanted) and wanted[0] >= 0 and (wanted[1:] >= wanted[:-1]).all():  # ascending times ≥ 0, the usual case
         first = int(np.searchsorted(wanted, 0.0, "right"))
         rows[:first] = start
         if first < len(wanted):

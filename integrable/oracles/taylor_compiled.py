@@ -56,7 +56,7 @@ def root(s, x, n, k):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _reach(series, half, order, tolerance):  # type: ignore[no-untyped-def]
-    """The step at which the last two terms are ``tolerance`` relative to each half of the state; inf at rest."""
+    """The step at which the last two terms are ``tolerance`` times the size of each half of the state; inf at rest."""
     reach = np.inf
     for base in (0, half):
         scale = 0.0
@@ -73,7 +73,7 @@ def _reach(series, half, order, tolerance):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _increment(series, n, order, h):  # type: ignore[no-untyped-def]
-    """The change of component n over a step h: Σ_{k ≥ 1} c_k h^k."""
+    """The change of component n over a step h: Σ_{k ≥ 1} c_k h^k, where c_k is ``series[n, k]``."""
     value = 0.0
     for k in range(order, 0, -1):
         value = (value + series[n, k]) * h

@@ -203,7 +203,7 @@ def triple(field: Field, values: Any, argument: str) -> Vector:
         values = values.tolist()
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
-        # no names of the numbers are made for messages: they would take a large part of a short run's time
+        # names such as "M[0]", for messages, are not made here: they would take a large part of a short run's time
         if type(x) is type(y) is type(z) is float and isfinite(x + y + z):
             return x, y, z
     items = entries(values, argument, "a sequence of three numbers")

@@ -10,8 +10,8 @@ which at d = 0 is the Lie–Poisson bracket of e*(3) with the opposite sign. On 
 for w_i = u_i, and the second bracket Π' of :mod:`integrable.phase.recursion` for the eigenvalues w_i = λ_i there.
 
 Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function
-of a state is f(system, state), a function of a tuple of coordinates f(field, point). Both must compute with the field
-or the system that they receive.
+of a state is f(system, state), a function of a tuple of coordinates f(field, point). Either must compute with the
+system or field that is its first argument.
 """
 
 from __future__ import annotations
@@ -74,7 +74,6 @@ def canonical_matrix(K: Field) -> Matrix:
 
 
 def _skew(K: Field, x: Vector) -> Matrix:
-    """The 3×3 matrix −ε_ijk x_k of a vector x."""
     zero, (x1, x2, x3) = K.zero, x
     return ((zero, K.neg(x3), x2), (x3, zero, K.neg(x1)), (K.neg(x2), x1, zero))
 

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 
 def branch_points(body: Body) -> tuple[Real, ...]:
-    """The roots of f at which a state has a pair: a1, a2, a3, and over exact fields with d ≠ 0 also 1/d, whose pair
-    gives g rationally.
+    """The roots of f at which a state has a pair (σ, ν) (:func:`kappas`): a1, a2, a3, and over exact fields with d ≠ 0
+    also 1/d, whose pair gives g rationally.
     """
     return (*body.a, body.field.inv(body.d)) if body.rolls and body.field.exact else body.a
 
@@ -54,8 +54,8 @@ def g_of(body: Body, state: State) -> Real:
 
 
 def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They belong to (U, P), where P = V − λU vanishes at 1/d;
-    at d = 0, P = V.
+    """The pairs (gγ_i, 2w_i) at a1, a2, a3, where w = γ × M. They are the pairs of (U, P), where P = V − λU with the
+    λ for which P(1/d) = 0; at d = 0, P = V.
 
     NotASquare when g = √g² is not in the field.
     """
@@ -110,8 +110,8 @@ def directions_of(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tup
 
 
 def gamma_and_w(point: tuple[Real, ...]) -> tuple[tuple[Real, Real, Real], tuple[Real, Real, Real]]:
-    """γ and w = γ × M/|M| of the moving point of :func:`directions_of`. ν is w plus a multiple of σ, which may be large
-    if a moment is small compared with d.
+    """γ and w = γ × M/|M| of a moving point as in :func:`directions_of`. w is ν without its part along σ, which may be
+    large if a moment is small compared with d.
     """
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
     scale = 1 / root(s1 * s1 + s2 * s2 + s3 * s3)
@@ -139,7 +139,7 @@ def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Pol
 def pairs_of(
     body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[Pair, ...] | None = None
 ) -> tuple[Pair, ...]:
-    """The pairs of a divisor, each with the sign that brings it closer to the pair of ``like``.
+    """The pairs (γ̂_i, n̂_i) of a divisor, each with the sign that brings it closer to the pair of ``like``.
 
     Without ``like`` the sign is that of the field's own root of γ̂², or of n̂² where γ̂ = 0: over the reals γ_i > 0.
     NotASquare where a γ̂_i² has no root in the field, NotRepresentable where moments coincide: (U, V) does not
@@ -196,7 +196,7 @@ def root_pair(K: Any, square: Real, product: Real, other: Real, model: Pair | No
         pair = (sigma, K.div(product, sigma))
     opposite = (K.neg(pair[0]), K.neg(pair[1]))
     if model is None:
-        # a γ̂ of rounding size does not decide the sign
+        # a σ of rounding size does not decide the sign
         return opposite if not K.exact and pair[0] < -64 * K.eps * abs(pair[1]) else pair
     if K.exact:
         return opposite if opposite == model else pair

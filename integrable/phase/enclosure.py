@@ -155,8 +155,8 @@ Moving = TypeVar("Moving", bound=InBalls)
 def enclosed(
     motions: Precisions[Moving], times: Sequence[Real], guesses: Sequence[Real] | None, lost: Callable[[Real], int]
 ) -> list[Row]:
-    """The rows at physical ``times``, for which ``guesses`` are approximate values of τ; without guesses ``times`` are
-    values of τ. ``lost(τ)`` is a guess of the number of bits that balls lose until τ.
+    """τ, state and radius at each of the ``times``: physical times, for which ``guesses`` are approximate values of τ,
+    or values of τ if there are no guesses. ``lost(τ)`` is a guess of the number of bits that balls lose until τ.
     """
 
     def read(motion: Moving, i: int) -> tuple[Vectors, arb]:
@@ -225,7 +225,6 @@ def rounded_up(radius: arb) -> float:
 
 
 def _ends(ball: arb) -> Ends:
-    """The midpoint and the radius of a ball, each as mantissa and exponent."""
     (m, e), (r, k) = ball.mid().man_exp(), ball.rad().man_exp()
     return (int(m), int(e)), (int(r), int(k))
 

@@ -30,6 +30,6 @@ def lift(K: FormulaField, B: Sequence[Real], gamma: Vector, M: Vector) -> tuple[
 
 
 def roots(field: FormulaField, squares: Sequence[Real]) -> Vector:
-    """The diagonal of B from the diagonal of B²; NotASquare where the field lacks a root."""
+    """The diagonal of the matrix B of :func:`lift` from that of B²; NotASquare where the field lacks a root."""
     x, y, z = (square_root(field, value, "B²") for value in squares)
     return x, y, z

@@ -17,7 +17,7 @@ from jacobian.errors import FieldError, NotRepresentable, shown, written
 
 
 class Jet:
-    """``value`` and its ``slopes`` along the directions of a :class:`JetField`.
+    """A jet: its ``value``, and its ``slopes`` along the directions of a :class:`JetField`.
 
     Operators combine it with jets of its field, with ints (m stands for m·1), and over an inexact base field with
     floats.

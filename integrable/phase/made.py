@@ -15,7 +15,7 @@ from jacobian.immutable import Immutable
 
 class Made(Immutable):
     """A value that its constructor arguments determine: ``type(x)(**x.arguments, field=x.field) == x``. Its ``repr`` is
-    this constructor call, in the names of :mod:`jacobian` and :mod:`integrable`.
+    this constructor call, written with names from :mod:`jacobian` and :mod:`integrable`.
     """
 
     field: Any

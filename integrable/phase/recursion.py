@@ -28,27 +28,27 @@ MOST_INDEX = 10**6
 
 
 def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real, Real]:
-    """The eigenvalues (λ1, λ2) at (u1, u2, p1, p2): λ_k = φ(u_k)p_k²."""
+    """The eigenvalues (λ1, λ2) of the recursion operator at (u1, u2, p1, p2): λ_k = φ(u_k)p_k²."""
     u1, u2, p1, p2 = _four(body, point)
     K = body.field
     return K.mul(phi(body, u1), K.mul(p1, p1)), K.mul(phi(body, u2), K.mul(p2, p2))
 
 
 def second_bracket(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
-    """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij."""
+    """The 4×4 matrix of the second bracket Π': {u_i, p_j}' = λ_iδ_ij with the :func:`eigenvalues` λ_i."""
     values = eigenvalues(body, point)
     return weighted_matrix(body.field, values)
 
 
 def recursion_operator(body: Body, point: tuple[Real, Real, Real, Real]) -> Matrix:
-    """The recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) as a 4×4 matrix."""
+    """The recursion operator Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2) of the brackets Π, Π', with the :func:`eigenvalues` λ_k."""
     values = eigenvalues(body, point) * 2
     zero = body.field.zero
     return tuple(tuple(value if i == j else zero for j in range(4)) for i, value in enumerate(values))
 
 
 def trace_hamiltonian(body: Body, point: tuple[Real, Real, Real, Real], m: int) -> Real | None:
-    """The trace J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
+    """J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1, of the recursion operator N. ArgumentError if m is 0 in the field."""
     values, K = eigenvalues(body, point), body.field
     m = whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX)
     below = poly.integer(K, m)
@@ -83,8 +83,8 @@ def nijenhuis_torsion(
 
 
 def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:
-    """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for Π'
-    where one λ_k vanishes. FieldError over an inexact field, where rounding leaves the rank undecided.
+    """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for
+    :func:`second_bracket` where one of its λ_i is 0. FieldError over an inexact field: rounding hides the rank there.
     """
     if not check_field(K, "K").exact:
         raise FieldError(f"K = {K.name}: a rank is not decided over an inexact field")

@@ -59,7 +59,6 @@ class Run(Record, Generic[One]):
         raise NotImplementedError
 
     def _some(self, places: np.ndarray) -> Self:
-        """The run of the rows at ``places``."""
         parts = {name: value[places] for name in self._arrays if (value := getattr(self, name)) is not None}
         return replaced(self, **parts)
 

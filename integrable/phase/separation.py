@@ -57,7 +57,7 @@ def of_mumford(body: Body, u: poly.Poly, v: poly.Poly) -> Separated:
 
 
 def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Real], Real]) -> Separated:
-    """The roots u_k of ``u`` with the momenta v(u_k)/φ(u_k); errors as in :func:`to_separated`."""
+    """The roots u_k of ``u`` with the momenta v(u_k)/φ(u_k); raises what :func:`to_separated` raises."""
     first, second = _roots(K, u)
     p = []
     for x in (first, second):
@@ -69,7 +69,6 @@ def of_roots(K: Field, u: poly.Poly, v: poly.Poly, phi: Callable[[Real], Real]) 
 
 
 def _roots(K: Any, u: poly.Poly) -> Two:
-    """The two roots of a monic quadratic polynomial."""
     if not K.exact:
         square = u[1] * u[1]
         discriminant = square - 4 * u[0]

@@ -175,7 +175,7 @@ class PhaseSpace(Made, Generic[Element]):
         return GeneralizedJacobian(curve)
 
     def divisor(self, state: State[Element]) -> Divisor[Element]:
-        """The divisor (U, V) of a state, in :meth:`group` (of :meth:`upright` for a tilted state).
+        """The divisor (U, V) of a state in :meth:`group`; of a tilted state, the divisor of its :meth:`upright` state.
 
         NotASquare where g² has no root in the field.
         """

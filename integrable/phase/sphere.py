@@ -74,15 +74,16 @@ def rho_inverse(K: Field, point: Separated) -> Separated:
 
 
 def hat(K: Field, a: tuple[Real, Real, Real], point: Separated) -> Separated:
-    """The hat variables (û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ of (u, p), again canonical.
+    """The hat variables (û, p̂), again canonical: (u, p) mapped by :func:`rho`, by :func:`conic` with x0 = y0 = 0,
+    and by :func:`rho_inverse`.
 
-    p̂ = −ℓ(û)/φ(û) with ℓ the line through the points (u_k, φ(u_k)p_k).
+    p̂ = −ℓ(û)/φ(û) with φ(x) = 4Π(a_i − x) and the line ℓ through the points (u_k, φ(u_k)p_k).
     """
     return rho_inverse(K, conic(K, a, rho(K, point), K.zero, K.zero))
 
 
 def hat_eigenvalues(K: Field, a: tuple[Real, Real, Real], point: Separated) -> tuple[Real, Real]:
-    """The numbers ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
+    """The numbers ν_k = û_kφ(û_k)p̂_k², φ(x) = 4Π(a_i − x), for the variables (û, p̂) that :func:`hat` finds."""
     first, second = (K.mul(K.mul(x, _phi(K, a, x)), K.mul(p, p)) for x, p in zip(*hat(K, a, point), strict=True))
     return first, second
 

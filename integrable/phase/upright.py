@@ -40,7 +40,8 @@ class ChaplyginTransformation:
     def of(body: Body, gamma: Vector, M: Vector) -> ChaplyginTransformation:
         """The transformation at the integrals of (γ, M), |γ| = 1.
 
-        Raises NotRepresentable at M ∥ γ (M = 0 included), NotASquare where k, s or p is not in the field.
+        Raises NotRepresentable at M ∥ γ (M = 0 included), NotASquare where k, s or p of the module's
+        formulas is not in the field.
         """
         K = body.field
         integrals, square = body.integrals(gamma, M), leaning(K, gamma, M)
@@ -64,7 +65,7 @@ class ChaplyginTransformation:
         return ChaplyginTransformation(body, Body.make(moments, d, K), k, s, p, shift)
 
     def apply(self, state: State) -> State:
-        """The upright state (γ̃, M̃) of (γ, M), with g̃ = g/(s(1 − dkn)), n = (γ, ω), if the state has g."""
+        """The upright state (γ̃, M̃); if the state has g, also g̃ = g/(s(1 − dk(γ, ω))) with the attributes s and k."""
         K = self.body.field
         gamma, M = self.apply_vectors(*state.vectors)
         g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(*state.vectors)))
@@ -97,7 +98,7 @@ class ChaplyginTransformation:
         return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
 
     def _slip(self, gamma: Vector, M: Vector) -> Real:
-        """The factor 1 − dkn, with n = (γ, ω)."""
+        """The factor 1 − dkn of :meth:`apply`, n = (γ, ω)."""
         K = self.body.field
         slip = K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
         if K.exact and slip == K.zero:
@@ -143,8 +144,8 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     rolling, double = d * h1, 2 * c
     rest = h2 - rolling
     whole = root(rest * rest + double * double * rolling)
-    # where digits would cancel in whole + rest, it is computed as 4c²dH1/(whole − rest). In the same way total·(1 + kc)
-    # = whole + below is 4c²|γ × M|²/(whole − below)
+    # a sum in which digits would cancel is computed as a quotient: whole + rest = 4c²dH1/(whole − rest), and
+    # total·(1 + kc) = whole + below = 4c²|γ × M|²/(whole − below)
     total = rest + whole if rest > 0 else double * double * rolling / (whole - rest)
     k = -(double / total)
     below = rest - double * c

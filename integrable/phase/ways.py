@@ -29,7 +29,7 @@ class Cost(NamedTuple):
     each: float
 
     def of(self, count: int) -> float:
-        """The microseconds for ``count`` times, set-up included."""
+        """The microseconds that the way takes for ``count`` times, set-up included."""
         return self.set_up + count * self.each
 
 
@@ -71,8 +71,8 @@ class InOrder:
 class StatesReached(NamedTuple):
     """States of a motion, as q and p of shape (N, 2, n), and the name of the ``way`` that computed them.
 
-    ``places`` are the indices of the times of these states; None means all times, in order. ``error`` is an estimate
-    relative to the largest component of q, or of p.
+    ``places`` are the indices of the times of these states; None means all times, in order. ``error`` estimates
+    their largest error, relative to the largest component of q, or of p.
     """
 
     way: str

@@ -1,4 +1,4 @@
-"""The number of digits of every state that agree between a run and the same motion at more digits."""
+"""The number of digits to which every state of a run agrees with a second run, computed with more digits."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def agreement(
     """The errors of the states of a ``run``, and how many digits of each agree with ``finer``.
 
     An error is relative to the largest component of each vector, or to ``unit`` for the first vector. PrecisionLoss if
-    fewer than ``digits`` agree, by default all but one of MP(digits), 12 of RR.
+    fewer than ``digits`` agree. The default of ``digits`` is 12 over RR, and one digit less than the field has over MP.
     """
     own = FLOAT_DIGITS if isinstance(field, RealField) else field.dps
     wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
@@ -62,7 +62,7 @@ def agreement(
 
 
 def _off(K: MultiprecisionField, found: Iterable[Real], true: Iterable[Real], unit: Real | None = None) -> Real:
-    """The largest difference of a vector from the true one, relative to ``unit`` or the largest component."""
+    """The largest error of a component of ``found``, relative to ``unit`` or to the largest component of ``true``."""
     apart = max(abs(K.coerce(x) - y) for x, y in zip(found, true, strict=True))
     size = max(map(abs, true)) if unit is None else unit
     return apart / size if size else apart and inf

@@ -33,7 +33,7 @@ MOST_COUNT = 300
 class Diagram(Record):
     """The energy–momentum diagram of a system over RR. Get one from ``system.diagram()``.
 
-    ``lines`` are the ends (X, Z) of the three lines of rotations, one for each axis of the body, shape (3, 2, 2).
+    ``lines`` has the ends, (X, Z) = ((γ, M)²/H2, H1/H2), of the line of rotations about each axis, shape (3, 2, 2).
     """
 
     def __init__(self, system: PhaseSpace) -> None:
@@ -63,7 +63,7 @@ class Diagram(Record):
         return found
 
     def contains(self, X: Numbers, Z: Numbers) -> np.ndarray:
-        """Whether motions with these X and Z exist; the arguments are arrays that broadcast."""
+        """Whether motions with (γ, M)²/H2 = X and H1/H2 = Z exist; the arguments are arrays that broadcast."""
         X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
         inside: np.ndarray = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
@@ -84,7 +84,7 @@ class Diagram(Record):
         return found
 
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(X, Z, rotation number) on a grid in X and ζ, for contours.
+        """(X, Z, rotation number) on a grid in X and ζ = H1/H2 of the upright body, for contours in the diagram.
 
         The arrays have the shape (count, 2·count) if all moments differ. The ζ are denser near the separatrix, which is
         excluded.
@@ -102,7 +102,7 @@ class Diagram(Record):
         return X, self.height(X, zeta), np.array(numbers).reshape(X.shape)
 
     def figure(self, *states: State) -> Figure:
-        """A picture: contours of the rotation number, the lines of rotations, and the points of some states."""
+        """A picture: contours of the rotation number, a line for the rotations about each axis, points of states."""
         from integrable.portrait.pictures import diagram
 
         return diagram(self, states)
@@ -142,7 +142,7 @@ def _divergence(level: Level) -> float:
     (a1, a2, a3), d, size = level.a, level.d, level.momentum
     x = a1 + (a3 - a1) * np.sin(np.pi / 2 * (np.arange(NODES) + 0.5) / NODES) ** 2
     slow, slow2 = np.sqrt(1 - d * x), np.sqrt(1 - d * a2)
-    # the difference quotient of x/√(1 − d̃x) between x and a₂
+    # the difference quotient of x/√(1 − dx) between x and a₂
     quotient = (x + a2 - d * x * a2) / ((x * slow2 + a2 * slow) * slow * slow2)
     value = np.pi / 2 * quotient.mean() / size
     slope = 2 * size * slow2 * np.sqrt((a2 - a1) * (a3 - a2))

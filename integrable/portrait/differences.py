@@ -32,7 +32,7 @@ class Inputs(NamedTuple):
     """The ``numbers`` that a motion depends on: first those of its state, then its constants.
 
     ``sizes`` are changes of the numbers that change the motion noticeably, 0 for a number that has no derivatives.
-    Numbers at the indices ``least`` must not decrease.
+    Numbers at the indices ``least`` have their least possible value and are only increased.
     """
 
     numbers: Sequence[Real]

@@ -18,17 +18,17 @@ Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 PANELS = 512
 # the largest number of panels of one search, each of which takes some ten microseconds
 MOST_PANELS = 10_000_000
-# the tolerance of panels: their zeros only start Newton's method on the motion
+# the tolerance of the series of the condition on panels, whose zeros only start Newton's method on the motion
 TOLERANCE = 1e-12
 # if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
 # series
 COARSEST = 1e-7
-# a zero is kept if it lies outside the interval by at most ROUNDING·eps half panels
+# a zero is kept if it lies outside the interval by at most ROUNDING·eps times half the length of a panel
 ROUNDING = 1e3
 # the largest number of steps of Newton's method; slopes are floats, so each step gains about twelve digits
 MOST_STEPS = 100
-# a zero is rejected if Newton's method moves it farther than NEAR or leaves it uncertain by more than SHARP, in half
-# panels
+# a zero is rejected if Newton's method moves it farther than NEAR or leaves it uncertain by more than SHARP, both in
+# units of half a panel
 NEAR, SHARP = 0.25, 1e-6
 
 

@@ -1,15 +1,14 @@
 """The secular part of the derivatives of the states x of a motion, to many digits: the part that grows with t.
 
-It is tΣX_k ⊗ ∂f_k with the frequencies f_k and the derivatives X_k of x with respect to phases that are linear in t.
-X_k(t) = S(t)X_k(0), where S(t) is the matrix of derivatives with respect to the start. The change X_k(0) of the start
-changes one phase and no action.
+Where the phases are linear in t, the secular part is tΣX_k ⊗ ∂f_k, with the frequencies f_k and the derivatives X_k of
+x with respect to the phases. X_k(t) = S(t)X_k(0), where S(t) is the matrix of derivatives with respect to the start.
+The change X_k(0) of the start changes one phase and no action.
 
-The phases of a body's divisor are linear in τ. There the secular part is t·[ẋ ⊗ α + (Y − σẋ) ⊗ β]. Y is the field of
-H2/2 (:mod:`integrable.portrait.variations`), and σ the integral of Y(1/g) over τ with mean 0. For a mode F·e^(2πik·θ)
-of 1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ and the rates η below.
-
-Phases that are linear in t move at the constant rates η = (B0, −A0)/(2D) along Y − σẋ, with A0, B0 and D of
-:mod:`integrable.portrait.ovals`. So the derivatives ∂f_k = f_kα + η_kβ of both frequencies f_k determine α and β.
+The phases of a body are linear in τ, and the secular part is t·[ẋ ⊗ α + (Y − σẋ) ⊗ β]. Y is the field of H2/2
+(:mod:`integrable.portrait.variations`), and σ the integral of Y(1/g) over τ with mean 0. The derivatives
+∂f_k = f_kα + η_kβ of both frequencies f_k determine α and β. Here η = (B0, −A0)/(2D), with A0, B0 and D of
+:mod:`integrable.portrait.ovals`, are the rates along Y − σẋ of phases that are linear in t. For a mode F·e^(2πik·θ) of
+1/g, σ has the mode F·(k·η)/(k·ν), with the frequencies ν in τ.
 """
 
 from __future__ import annotations
@@ -34,8 +33,8 @@ from jacobian.numbers.long_reals import BallReals
 
 
 def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part at the given ``times`` for a system whose phases are linear in t. Its shape is that of the
-    derivatives.
+    """The secular part of the derivatives of the states at ``times``, in an array of their shape, for a system whose
+    phases are linear in t.
     """
     (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
     # phases and actions determine neither an angle about an axis nor the centre of mass of a lattice
@@ -65,7 +64,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
 
 
 def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part at the given ``times`` for a ball or top, shape (N, 6, 10)."""
+    """The secular part of the derivatives of γ and M at ``times``, for a ball or top: shape (N, 6, 10)."""
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     if flow.portrait.region not in ("low", "high"):
         raise NotRepresentable("secular: these are derivatives of motions that lie on no torus of dimension two")

@@ -19,9 +19,10 @@ Array = np.ndarray
 
 
 class OvalAngles(NamedTuple):
-    """The sums of g forms over g points at angles φ_i: Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i).
+    """The integrals of g differential forms, each a sum over g points at angles φ_i in their ovals.
 
-    ``means`` has the shape (g, g), for each oval and form; each of ``waves`` has the shape (n, g).
+    The sums are Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i). ``means`` has the shape (g, g), for each oval and form;
+    each of ``waves`` has the shape (n, g).
     """
 
     means: Array
@@ -39,8 +40,8 @@ class OvalAngles(NamedTuple):
         """The times, shape (N,), that the motion takes from ``phases`` until the point in one ``oval`` is at the angle
         φ = 2π·phases[:, oval].
 
-        The sums grow at the ``rates``. Combinations of them that do not grow determine the angles of the other points;
-        a sum that grows then gives the time.
+        ``rates`` are the derivatives of the class's g sums by time. Combinations of the sums that are constant in time
+        determine the angles of the other points; a sum that grows then gives the time.
         """
         grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
 

@@ -55,9 +55,9 @@ class Level(NamedTuple):
 
     @staticmethod
     def at(body: Body, X: Real, zeta: Mpf) -> Level:
-        """The level of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
+        """The level of all motions with H2 = 1, (γ, M)² = X < 1 and H1/H2 = ζ of the upright body.
 
-        Chaplygin's transformation depends on X and ζ only.
+        ζ is between the least and the largest a_i. Chaplygin's transformation depends on X and ζ only.
         """
         axes = sorted(range(3), key=lambda i: body.a[i])
         a1, a2, a3 = (body.a[i] for i in axes)
@@ -80,7 +80,7 @@ class Level(NamedTuple):
 
     @property
     def contact(self) -> tuple[Real, Real, Real]:
-        """The numbers 1 − d̃a_i of the sorted a_i."""
+        """The numbers 1 − d̃a_i, with the sorted a_i and d̃ = ``d`` of this level."""
         a1, a2, a3 = self.a
         return 1 - self.d * a1, 1 - self.d * a2, 1 - self.d * a3
 
@@ -91,7 +91,7 @@ class Level(NamedTuple):
 
     @property
     def eps(self) -> Real:
-        """The rounding unit of the numbers."""
+        """The rounding unit of the level's numbers."""
         return FLOAT_EPS if isinstance(self.zeta, float) else self.zeta.context.eps
 
     @property

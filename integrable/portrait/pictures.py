@@ -16,7 +16,7 @@ SIZE = (6.4, 4.8)
 COLORS = ("#0072B2", "#D55E00", "#009E73")
 """The colours of the three axes: blue, vermilion and green of Okabe and Ito (2008), as on the interactive page."""
 CURVES = 9
-# spectral lines below FAINT of the largest are not drawn; at most NAMED lines are labelled
+# spectral lines below FAINT times the largest are not drawn; at most NAMED lines are labelled
 FAINT, NAMED = 1e-6, 6
 LETTERS = {"gamma": "γ", "omega": "ω"}
 """The letters with which quantities of a body are labelled."""

@@ -45,8 +45,8 @@ class Separation(NamedTuple):
     """The differential forms whose sums over the points of a pair are known, in numbers of one field.
 
     The sums of the g ``forms`` grow at the ``rates``. The sum of ``action`` is p dq without the terms of angles about
-    an axis. ``turns`` has for each such angle the form by which it grows and a constant rate that is added; ``momenta``
-    are the actions of these angles. ``known`` are branch points that are known exactly. Where time is not such a sum,
+    an axis. The rate of such an angle is the sum of a form plus a constant: ``turns`` are these pairs, and ``momenta``
+    the actions of the angles. ``known`` are branch points that are known exactly. Where no sum of forms is the time,
     the rates are per unit of τ, ``slow`` is (e, c) with a branch point e beyond both ovals, and dt/dτ is c/√((e −
     x₁)(e − x₂)).
     """

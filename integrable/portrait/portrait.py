@@ -9,7 +9,7 @@ middle a, otherwise that of the largest. All means have closed forms, at any d a
     ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN⟨1/√((1 − d̃u1)(1 − d̃u2))⟩, f = ν/⟨1/g⟩,
     J1 = (H̃1A0 − H̃2A1)/π, J2 = (H̃2B1 − H̃1B0)/π,
 
-u1 and u2 the abscissas in the two ovals.
+where u1 and u2 are the abscissas in the two ovals, and ⟨ ⟩ is the mean over the torus.
 
 At (γ, M) = 0 the J_k = (1/2π)∮|p_k|du_k are the actions in the coordinates of
 :func:`integrable.phase.separation.to_separated`; at (γ, M) ≠ 0 they are those of the upright body. (Chaplygin 1903; at
@@ -64,10 +64,11 @@ class Portrait(Immutable):
     ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about the axis. ``spin`` and ``polhode`` are measured in the
     body, and positive by the right-hand rule about its axis. All three are None without an axis.
 
-    ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
-    radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω) and ``mean_g`` the mean
-    of g = dτ/dt, both with respect to t. ``wide_frequencies`` are (f1, f2), and ``wide_tau_frequencies`` (ν1, ν2), to
-    the digits of the set-up. ``ovals`` holds the periods, None where the ovals have met; ``level`` describes the curve.
+    ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, per unit of t:
+    in radii if the system has no ``radius``, else in the unit of the radius. It is None for a body that does not roll.
+    ``mean_spin`` is the mean of (γ, ω), and ``mean_g`` that of g = dτ/dt, both over t. ``wide_frequencies`` (f1, f2)
+    and ``wide_tau_frequencies`` (ν1, ν2) have the digits of the set-up. ``ovals`` holds the periods, None where the
+    ovals have met; ``level`` describes the curve.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
@@ -125,16 +126,14 @@ class Portrait(Immutable):
 
     @cached_property
     def periods(self) -> tuple[Real, Real]:
-        """1/|f1| and 1/|f2|. For ζ < a₂ the axis makes half a turn in space in the first period, and γ̃ half a turn in
-        the body in the second; for ζ > a₂ the periods are exchanged.
+        """1/|f1| and 1/|f2|. For ζ < a₂ the body's ``axis`` makes half a turn about M̃ in space in the first period,
+        and γ̃ makes half a turn about this axis in the second; for ζ > a₂ the periods are exchanged.
         """
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
 
     def moving(self, name: str) -> Ovals:
-        """:attr:`ovals` where both points of the divisor move. ``name`` is the requested quantity, for the message of
-        NotRepresentable.
-        """
+        """``ovals``; NotRepresentable, with a message that begins with ``name``, where a point of the divisor rests."""
         if self.region in ("symmetric", "rotation"):
             raise NotRepresentable(
                 f"{name}: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"

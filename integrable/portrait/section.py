@@ -7,12 +7,12 @@ in τ rather than t, time means τ here.
 
 For a body let u1, u2, the sorted a_i, ζ and the integrals A1 and B1 be as in :mod:`integrable.portrait.ovals`; tildes
 refer to the upright body. The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁; the
-component along the axis of the least moment vanishes where u2 = a₃. Every motion crosses these surfaces transversally,
-once per turn of u1 or of u2.
+component along the axis of the least moment vanishes where u2 = a₃. These surfaces are the first and the
+second section. Every motion crosses them transversally, once per turn of u1 or of u2.
 
 From one crossing of the first section to the next the phase of u2 turns by −A1/B1; from one crossing of the second to
-the next the phase of u1 turns by B1/A1. On the section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each motion lies
-on its own curve,
+the next the phase of u1 turns by B1/A1. On the first section γ̃ is (0, cos φ, sin φ) in the sorted axes, and each
+motion lies on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """
@@ -41,7 +41,6 @@ ENDS, AXES = ("lower", "upper"), ("largest", "least")
 MOST_CROSSINGS = 10**6
 # a start within this fraction of a turn from a crossing counts as a start at the crossing
 ON = 1e-12
-# the first and the largest number of nodes of an oval's series
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 # the number of right digits of the first τ, which is computed in floats; each step of Newton's method doubles it
 ROUGH_DIGITS = 12
@@ -80,8 +79,8 @@ class BodySection(Section):
     """The crossings of a body's motion with a surface γ̃_i = 0: ``axis`` (0, 1 or 2) is i.
 
     ``tau`` (N,) are the values of τ at the crossings. ``phi`` and ``momentum`` (N,) are the coordinates on the section:
-    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. ``theta`` (N,) is the phase of the other point,
-    in turns: the map from one crossing to the next rotates it by ``rotation``.
+    the angle of γ̃ from the axis of the middle moment, and M̃_i/|M̃|. One point of the divisor is then at an end of its
+    oval; ``theta`` (N,) is the phase of the other, in turns, which grows by ``rotation`` from crossing to crossing.
     """
 
     def __init__(self, run: Any, theta: np.ndarray, rotation: Real, axes: tuple[int, int, int]) -> None:
@@ -98,7 +97,7 @@ class BodySection(Section):
         return found
 
     def figure(self) -> Figure:
-        """A picture: the crossings, with the curves of other motions of the same upright body."""
+        """A picture: the crossings; for the largest moment also the curves of other motions of the upright body."""
         from integrable.portrait.pictures import section_figure
 
         return section_figure(self)
@@ -158,7 +157,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
 
 
 def body_section(flow: Any, count: int, axis: str) -> BodySection:
-    """The next ``count`` crossings of the section for the axis of the "largest" or the "least" moment.
+    """The next ``count`` states with γ̃_i = 0 (:func:`tilde`), i the axis of the "largest" or the "least" moment.
 
     NotRepresentable if the motion is not on a torus of dimension two.
     """
@@ -173,7 +172,7 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
 
 
 def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
-    """The vectors γ + kM and M − dkH1γ along a run, shapes (N, 3): γ̃ and M̃ up to factors."""
+    """γ + kM and M − dkH1γ along a run, shapes (N, 3): the γ̃ and M̃ of Chaplygin's transformation up to factors."""
     change = flow.setup.tilt
     if change is None:
         return run.gamma, run.M
@@ -205,7 +204,7 @@ def sums_over_ovals(level: Level) -> OvalAngles:
 
 
 def _modes(level: Level, outer: float, inner: float, *others: float) -> np.ndarray:
-    """The Fourier modes in φ of dx/y and x dx/y, divided by ½dφ, on one oval, shape (n, 2)."""
+    """The Fourier modes in φ of dx/y and x dx/y, divided by ½dφ, on the oval from ``outer`` to ``inner``: (n, 2)."""
     count = FIRST_NODES
     while True:
         x = outer + (inner - outer) * np.sin(np.pi * np.arange(count) / count) ** 2

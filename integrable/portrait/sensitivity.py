@@ -2,9 +2,9 @@
 parts.
 
 On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
-Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a and b be as in
-``variations``, w₁ and w₂ the right-hand sides there, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb,
-da'/dτ = (w₁ + σw₂)/g and db/dτ = w₂/g the derivatives are
+Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). Let ẋ, Y, a, b and (w₁, w₂) =
+(ȧ + ρb, ḃ) be as in ``variations``, and σ the integral of Y(1/g) over τ with mean 0. With a = a' − σb, da'/dτ =
+(w₁ + σw₂)/g and db/dτ = w₂/g the derivatives are
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
@@ -67,7 +67,7 @@ class Sensitivity(Record):
     def secular(self) -> np.ndarray:
         """The part of ``matrix`` that grows with t, of the same shape.
 
-        If ``way`` is "differences", its computation needs other motions, and for a ball the modes of 1/g.
+        If ``way`` is "differences", this part is computed from further motions, and for a ball from the modes of 1/g.
         NotRepresentable where the motion lies on no torus, and for a system other than a body if it turns about an axis
         or moves as a whole, or if t is not linear in its phases. PrecisionLoss where the modes are too many.
         """
@@ -94,7 +94,7 @@ class Sensitivity(Record):
 
 
 def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
-    """The sensitivity at times of the flow's field, by differences of motions in more digits."""
+    """The sensitivity at ``times``, by differences of motions that are computed with more digits."""
     (inputs, names), (digits, size) = flow._inputs(), expected(flow, times)
 
     def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
@@ -199,7 +199,7 @@ class TorusVariations:
 
 
 def _noise(most: np.ndarray) -> np.ndarray:
-    """For each part the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
+    """For each integrand the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
     found: np.ndarray = NOISE * most.max() / np.maximum(most, NOISE * most.max())
     return found
 

@@ -38,10 +38,10 @@ from jacobian.numbers.long_reals import BareReals
 
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
-# the first and the largest number of samples of dt/dτ, of which modes below the fraction NOISE of the mean are rounding
-# errors
+# dt/dτ is sampled on FIRST_GRID, then on finer grids of up to MOST_SAMPLES points, until modes that are not sampled are
+# below NOISE times the mean, the size of rounding errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
-# modes below this fraction of the mean are not needed in floats
+# waves of :class:`OvalAngles` below this fraction of the mean of their form and oval are not needed in floats
 NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
@@ -73,7 +73,7 @@ class SeparatedTorus:
 
     @property
     def one(self) -> Real:
-        """The number 1."""
+        """The number 1 of the field in which the ovals are computed."""
         one: Real = self._field.one
         return one
 
@@ -108,7 +108,7 @@ class SeparatedTorus:
     def _sampled(
         self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
     ) -> list[list[Real]]:
-        """The coefficients of dφ, times ``factor``, at φ = π(k + ½)/n, minus the parts of their poles."""
+        """For each form the coefficients of dφ at φ = π(k + ½)/n, times ``factor``, without the terms of its poles."""
         import gmpy2
 
         N = self._field
@@ -147,7 +147,7 @@ class SeparatedTorus:
 
     @cached_property
     def waves(self) -> list[list[list[Real]]]:
-        """The numbers 2w_n/n, n = 1, 2, …, for each oval and form, with the modes w_n of the coefficient of dφ."""
+        """For each oval and form c(φ)dφ: the numbers 2w_n/n, n = 1, 2, …, with the Fourier modes w_n of c."""
         import gmpy2
 
         N = self._field
@@ -261,7 +261,7 @@ class SeparatedTorus:
             whole.append(N.nearest(turned))
             rest.append(turned - whole[-1])
         angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float))[0].tolist()]
-        # Newton's steps from floats double the digits
+        # each step of Newton's method doubles the number of correct digits; the start has those of a float
         for _ in range(math.ceil(math.log2(N.bits / FLOAT_BITS)) + 1):
             gaps = [x - y for x, y in zip(self.phase_of(self._sums(angles)), rest, strict=True)]
             wanted = [
@@ -279,7 +279,7 @@ class SeparatedTorus:
         return full, turned
 
     def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """The angles about an axis, (N, m), minus their parts linear in the phases. The arguments have shape (N, g)."""
+        """Angles about an axis, (N, m), less their parts linear in ``phases``; ``angles`` are in the ovals, (N, g)."""
         genus, found = len(self.ovals), []
         for j in range(genus, len(self.forms)):
             total = np.zeros(len(angles))
@@ -303,7 +303,7 @@ class SeparatedTorus:
 
     @cached_property
     def in_floats(self) -> OvalAngles:
-        """The sums of the g forms in floats."""
+        """The integrals of the g forms, summed over the points, as functions of the angles in floats."""
         genus = len(self.ovals)
         means = np.array([[float(x) for x in row[:genus]] for row in self.means])
         waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self.waves]

@@ -76,7 +76,7 @@ class Sampled(NamedTuple):
 class Spectrum(Record):
     """The lines of a motion, the strongest first. Get one from ``flow.spectrum()``.
 
-    ``modes`` (L, n) are m_k, ``frequencies`` (L,) ½Σm_k f_k ≥ 0 in turns per unit time, with the f of
+    ``modes`` (L, n) are the integers m_k, ``frequencies`` (L,) the ½Σm_k f_k ≥ 0 in turns per unit time, with f_k from
     ``flow.portrait``. Every other attribute is a quantity named in ``quantities``: ``gamma``, ``M`` and ``omega`` of a
     body, ``q`` and ``p`` of other systems. It has complex amplitudes a, (L, components): the quantity at time t is the
     real part of Σ a·e^(2πift). The line of frequency 0 is the mean.

@@ -52,12 +52,12 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def certify(self, times: Numbers, digits: int | None = None) -> AnyRun:
-        """The states of :meth:`at`, each compared with a run at 15 more digits: at 30 digits for RR.
+        """The states of :meth:`at`, each compared with that of a run with 15 more digits; for RR, with 30 digits.
 
         The result has ``error`` and ``digits``, the number of decimal digits that agree, both of shape (N,). The error
         of a state is the larger one of the errors of its two vectors. Errors of M, q and p are relative to the largest
         component of the vector. The inputs count as exact, except that states are projected onto their constraints.
-        PrecisionLoss where fewer than ``digits`` agree; by default all digits but one of MP(digits), 12 of RR.
+        PrecisionLoss where fewer than ``digits`` agree: by default 12 over RR, one less than the field's own over MP.
         ``certify`` compares two computations; ``enclosure`` has proven bounds.
         """
         from integrable.portrait.certificate import agreement
@@ -148,7 +148,7 @@ class StateFlow(Generic[AnyRun]):
         raise NotImplementedError
 
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
-        """The numbers, the sizes of their changes, and the names of those that have derivatives."""
+        """The :class:`Inputs` of the motion, and the names of those that have derivatives."""
         raise NotImplementedError
 
     def _by_variations(self, run: AnyRun) -> Sensitivity | None:

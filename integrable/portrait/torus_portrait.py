@@ -42,8 +42,8 @@ class TorusPortrait(Immutable):
 
     @cached_property
     def angles(self) -> tuple[Real, ...]:
-        """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals. After a time t they
-        are θ + ft. NotRepresentable where a point rests.
+        """The phases θ of the points at the start, in turns modulo 1, 0 at the lower ends of ovals. At time t they are
+        θ + ft, with the ``frequencies`` f. NotRepresentable where a point rests.
         """
         found = self._flow._settled_on_torus(_phases_of)
         return tuple((s * x) % 1 for s, (x,) in zip(self._signs, found, strict=False))
@@ -58,7 +58,7 @@ class TorusPortrait(Immutable):
 
 
 def _numbers_of(torus: SeparatedTorus) -> list[list[Real]]:
-    """Signs that make the actions of ovals positive, then the actions and each frequency with these signs."""
+    """[signs, actions, [f₁], …]: the signs make the actions of ovals positive; actions and frequencies have them."""
     actions, one = torus.actions, torus.one
     signs = [one for _ in torus.frequencies]
     for k, (oval, action) in enumerate(zip(torus.ovals, actions or (), strict=False)):

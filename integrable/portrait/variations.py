@@ -39,7 +39,7 @@ class Variation(NamedTuple):
 
     @staticmethod
     def at(body: Body, rows: Array) -> Variation:
-        """The quantities at states γ and M, given as rows of six numbers, (N, 6)."""
+        """The Variation at states (γ, M), given as rows of six numbers, (N, 6)."""
         inertia, a, d = np.array(body.inertia), np.array(body.a), float(body.d)
         gamma, M = rows[:, :3], rows[:, 3:]
         thin = inertia * a
@@ -74,8 +74,8 @@ class Variation(NamedTuple):
         )
 
     def rates(self) -> tuple[Array, Array]:
-        """The coefficients of ȧ + ρb and ḃ: (N, 2, 4) for changes of the four integrals, and (N, 2, 4) for changes
-        of I and d at fixed integrals.
+        """The coefficients of ȧ + ρb and ḃ, as at the top of this file: (N, 2, 4) for changes of the four integrals,
+        and (N, 2, 4) for changes of I and d at fixed integrals.
         """
         left = _left_inverse(self.fields)
         turning = left @ (self.J + self.J.transpose(0, 2, 1)) @ self.inverse
@@ -92,7 +92,7 @@ def gradient(body: Body, row: Array) -> Array:
 
 
 def commuting_spin(body: Body, gamma: Array, M: Array) -> Array:
-    """The vectors Ω = M/g + dg(γ, AM)γ of the field Y, shape (N, 3); numbers are floats or mpf."""
+    """The vectors Ω = M/g + dg(γ, AM)γ of the Hamiltonian field Y of H2/2, shape (N, 3), in floats or mpf."""
     slowness = (np.sum(np.array(body.contact) * gamma**2, axis=1) ** 0.5)[:, None]
     along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
     spin: Array = slowness * M + body.d * along / slowness * gamma

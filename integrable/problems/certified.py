@@ -44,7 +44,7 @@ class Certified(NamedTuple):
     c: float | None = None
 
     def scene(self) -> Scene:
-        """The motion of a ball or top as a scene whose start is the first row in doubles, with the same times."""
+        """The motion of a ball or top as a scene with the same times, from the first state, rounded to doubles."""
         if self.system not in ("chaplygin_ball", "euler_top"):
             raise ArgumentError(f"system: {self.system}; a ball or a top is needed")
         gamma, M = (tuple(Fraction(float(x)) for x in rows[0]) for rows in (self.gamma, self.M))

@@ -174,7 +174,7 @@ class Problem:
         return np.where(np.isfinite(given).all(axis=-1), self.relative(given - truth.y, truth), np.inf)
 
     def relative(self, differences: np.ndarray, truth: Truth) -> np.ndarray:
-        """Differences from a truth (for example its radius), scaled as :meth:`error` scales errors."""
+        """The ``differences`` from ``truth.y``, or the ``truth.radius``, scaled as :meth:`error` scales errors."""
         gaps, sizes = (np.abs(np.asarray(x).astype(float)) for x in (differences, truth.y))
         half, found = len(self.y0) // 2, []
         for part, length in ((slice(0, half), 1.0), (slice(half, None), float(np.linalg.norm(self.y0[half:])))):

@@ -1,8 +1,8 @@
 """Starts whose vector q does not have unit length, and how each system's equations scale with that length.
 
-The systems of this package require |q| = 1, or Σq²/a = 1. In three dimensions only vectors along the axes have exactly
-unit length in doubles. But the equations of motion hold for any length s: q = s^a·Q, p = s^b·P, t = T/s^c, where (Q, P)
-is the motion of unit length in the time T. So a start in doubles needs no rounding.
+The systems of this package require |q| = 1, or Σq_i²/a_i = 1. In three dimensions only vectors along the axes have
+exactly unit length in doubles. But the equations of motion hold for any length s: q = s^α·Q, p = s^β·P, t = T/s^δ,
+where (Q, P) is the motion of unit length in the time T. So a start in doubles needs no rounding.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ __all__ = ["UNITS", "Unit"]
 
 
 class Unit(NamedTuple):
-    """How a system scales with the length s of q: ``q``, ``p`` and ``time`` are the exponents a, b and c of s.
-
-    ``weighted`` means that the length is √Σq²/a. ``normal`` means that p is orthogonal to q, or if weighted to q/a."""
+    """How a system scales with the length s of q: q = s^``q``·Q, p = s^``p``·P and t = T/s^``time``, (Q, P) being the
+    motion of length 1 in its time T. ``weighted``: the length is √Σq_i²/a_i with the constants a_i of the system.
+    ``normal``: p is orthogonal to :meth:`dual`.
+    """
 
     q: float
     p: float
@@ -33,7 +34,7 @@ class Unit(NamedTuple):
         return sum(x * y for x, y in zip(self.dual(constants, q), p, strict=True))
 
     def dual(self, constants: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-        """The vector q, or q/a if ``weighted``."""
+        """The vector q; if ``weighted``, the vector of the q_i/a_i, where the ``constants`` are the a_i."""
         return [x / a for x, a in zip(q, constants, strict=True)] if self.weighted else list(q)
 
 

@@ -34,7 +34,7 @@ RIVALS = (
 
 class Entrant(NamedTuple):
     """A method of a race: its settings from loose to tight, and a function for a timed run at one of them. ``word``
-    names the settings.
+    says what a setting is: "tolerance", "step" or "digits".
     """
 
     name: str

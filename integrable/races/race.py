@@ -2,9 +2,9 @@
 
 The settings of a method form a ladder; each of them is a rung. Each setting is first tried over 1 % and 4 % of the
 time span. If these trials predict a run beyond the limit, this setting and the tighter ones of the method are left out.
-Then all methods run in turn at one rung, so a slow second of the machine affects all methods alike. The time of a run
-is that of its set-up and its evaluation (:class:`integrable.oracles.method.Spent`). Results include the uncertainty of
-the truth.
+Then the methods that take less than 0.2 s run in turn at one rung, so a slow second of the machine affects them alike.
+The time of a run is that of its set-up and its evaluation (:class:`integrable.oracles.method.Spent`). Results include
+the uncertainty of the truth.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def _chosen(times: Sequence[float]) -> np.ndarray:
 def _rung(
     one: Problem, times: np.ndarray, truth: Truth, left: list[Entrant], rung: int, limit: float
 ) -> list[tuple[Entrant, Run]]:
-    """The runs of all methods at one rung. Each method first runs alone, then the fast methods run in turn."""
+    """The runs of the methods ``left`` at their settings[rung]: first each alone, then the fast ones in turn."""
     found = {entrant.name: _tried(one, times, truth, entrant, rung, limit) for entrant in left}
     fast = [entrant for entrant in left if (found[entrant.name].seconds or PATIENCE) < PATIENCE / 2]
     every = {entrant.name: partial(entrant.run, one, times, entrant.settings[rung]) for entrant in fast}

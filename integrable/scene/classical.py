@@ -30,7 +30,7 @@ class ClassicalRun(Path):
 
 
 class ClassicalSystem:
-    """A :class:`MumfordSystem` whose states are (q, p) as ``gamma`` and ``M``."""
+    """A :class:`MumfordSystem` with states in the form of a body's: ``gamma`` is q, and ``M`` is p."""
 
     def __init__(self, system: MumfordSystem) -> None:
         self.system, self.field = system, system.field
@@ -104,7 +104,7 @@ class ClassicalMotion:
         """Does nothing: the method depends on the times, so its set-up is part of :meth:`at`."""
 
     def at(self, times: Numbers) -> ClassicalRun:
-        """The states at times."""
+        """The states at the given times."""
         found = self._flow.at(times)
         return ClassicalRun(found.times, found._rows, found.way)
 

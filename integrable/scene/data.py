@@ -24,7 +24,7 @@ MOST_STEPS = 10_000_000
 class Kind(NamedTuple):
     """Where a scene's system is defined: the folder and the class, and the keys of its ``[body]``.
 
-    The name of the module is included if it differs from the name of the system.
+    ``module`` is given only if the name of the class's module differs from the name of the system.
     """
 
     room: str

@@ -106,7 +106,6 @@ def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
 
 
 def _read_classical(name: str, place: str, top: Table, system: str, body: Table) -> Scene:
-    """The scene of a motion of a system of :mod:`integrable.classical`."""
     if "steps" in top:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
     start = _section(top, "start", ("q", "p"))

@@ -195,9 +195,9 @@ class Kind:
 
 
 # the arguments of the compiled :func:`integrable.series.walk.walked` in memory, as 64-bit words; an array is its
-# address and its length. SHARED are those of all calls with the same steps: Codes, the tiers, and a Layout. WORKING are
-# the constants, the state, room, both and marks. CALL are the times, the states found, the first tier, and the largest
-# number of steps. BACK are the results
+# address and its length. SHARED has ``codes``, ``tiers`` and ``layout``, common to all calls with the same steps.
+# WORKING has the constants, the state, ``room``, and the arrays ``both`` and ``marks`` of :class:`Outputs`. CALL has
+# the times, the states found, the first tier, and the largest number of steps. BACK has the results
 SHARED, WORKING, CALL, BACK = map(struct.Struct, ("=5qQqQq8q", "=" + "Qq" * 5, "=QqQqqd", "=qqqdqq"))
 ASKED = SHARED.size + WORKING.size
 RESULT = ASKED + CALL.size
@@ -207,8 +207,8 @@ from_buffer: Any = c_char.from_buffer
 
 
 class Working:
-    """The memory of a walk and its address ``base``, the binary format of its constants and state, and the position of
-    its marks.
+    """The memory of a walk, its address ``base``, and the binary format ``numbers`` of its constants and state. At the
+    position ``marks`` begin the marks of the rows (:class:`integrable.series.walk.Outputs`).
 
     The part SHARED of the memory has been written for ``steps``, and holds the address of the array ``tiers``.
     """
@@ -249,8 +249,8 @@ class Compiled:
     ) -> Reached:
         """The states at times of one sign in ascending size that about ``most`` steps reach.
 
-        The first bounds in ``steps.tiers`` are used, from the index ``tier`` on, that allow a walk as far as the last
-        of the times. The number reached is −1 for times in another order.
+        The walk uses the first bounds of ``steps.tiers``, from the index ``tier`` on, whose ``farthest`` includes the
+        last of the times. For times in another order the number of states reached is −1.
         """
         count, found = len(times), np.empty((len(times), *self._shape))
         try:

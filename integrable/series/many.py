@@ -76,7 +76,7 @@ class _Walks:
         self.over = np.zeros(2 * count, dtype=bool)
 
     def add(self, found: NearMany, steps: Steps) -> bool:
-        """Adds the states at remaining times that a tier of ``steps`` reaches; False if no walk has one left."""
+        """Adds what each walk reaches with its next tier of ``steps``; False if no walk has rows and tiers left."""
         walk = self._kind.walk(steps.orders, WIDEST)
         going = ~self.over & (self.tiers < len(steps.tiers))
         rows = np.flatnonzero(self.left & going[self.walk_of])

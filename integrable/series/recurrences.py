@@ -17,7 +17,7 @@ Reals = MutableSequence[Real]
 
 
 def convolved(series: Reals, p: int, q: int, begin: int, end: int, k: int) -> Real:
-    """Σ p_j q_{k−j}, begin ≤ j < end, for the series that begin at p and q, as two partial sums."""
+    """Σ p_j q_{k−j}, begin ≤ j < end, for the series that begin at p and q; the terms are added to two sums in turn."""
     nothing = 0 * series[p]
     a, b = nothing, nothing
     for j in range(begin, end - 1, 2):

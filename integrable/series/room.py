@@ -96,7 +96,7 @@ class Room:
         return self.high(n, self.orders.order + 1 + k) if n < self.count else self._highs[n] + 1
 
     def has(self, n: int, k: int) -> bool:
-        """Whether coefficient k of node n is stored by itself."""
+        """Whether coefficient k of node n has a position of its own (:meth:`high`)."""
         return n < self.count or (k == 0 and n in self._highs)
 
     def chunks(self, count: int) -> list[tuple[int, int]]:
@@ -150,10 +150,10 @@ def _abreast(tape: Tape, most: int) -> list[tuple[int, ...]]:
 
 
 def _packed(tape: Tape, products: list[int], most: int) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
-    """(packs, groups). A pack lists at most ``most`` nodes whose sums over earlier coefficients share a vector.
+    """(packs, groups); the groups are those of :func:`_abreast`. A pack lists at most ``most`` nodes whose sums over
+    earlier coefficients share a vector.
 
-    A pack begins with one of the groups of :func:`_abreast`, if there are any left. Other nodes fill the rest of the
-    pack, unless its group consists of squares.
+    A pack begins with a group, if any is left. Other nodes fill the rest of the pack, unless it begins with squares.
     """
     groups, packs = _abreast(tape, most), []
     rest = [n for n in products if not any(n in nodes for nodes in groups)]

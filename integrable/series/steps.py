@@ -13,8 +13,8 @@ from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 from integrable.series.walk import MOST_LOST, Bounds
 from jacobian.numbers.double_double import double_double_row
 
-# a step with p products costs (FIXED + p)/STANDARD as much as one of a geodesic on an ellipsoid in R³, where p is
-# STANDARD − FIXED
+# a step with p products takes (FIXED + p)/STANDARD times as long as a step of the geodesic on an ellipsoid in R³, which
+# has STANDARD − FIXED products
 FIXED, STANDARD = 3, 13
 # a step of this geodesic takes PER_ORDER·n + PER_SQUARE·n² microseconds for series of order n, and PER_WIDE_ORDER more
 # for each order in double-doubles
@@ -31,10 +31,10 @@ class Steps(NamedTuple):
     tiers: tuple[Bounds, ...]
 
 
-# FINE and FINEST give states right to the last bits of floats. Their two walks may differ by an eighth of the rounding
-# unit, because errors of terms in floats are nearly as large in the finer walk as in the coarser one. Five more orders
-# of FINE in double-doubles than in ROUGH make errors at T = 1000 a thousand times smaller, for a tenth of the time
-# (Neumann on S³ and the Toda lattice of eight particles of python -m benchmarks near)
+# FINE and FINEST give states right to the last bits of floats. The finer and the coarser walk of a motion may differ by
+# an eighth of the rounding unit only, because errors of terms in floats are nearly as large in one as in the other.
+# FINE has five more orders in double-doubles than ROUGH: at T = 1000 the errors of Neumann's point on S³ are a thousand
+# times smaller, for a tenth more time (python -m benchmarks near)
 WIDE, WIDER, WIDEST = Orders(9, 34), Orders(14, 40), Orders(18, 44)
 FINE = Steps(WIDER, (Bounds(1e-24, 1e-7, 1e1, 1e1, 2.0**-56),))
 FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
@@ -103,8 +103,8 @@ def exhausted(reached: Counts, count: Counts, lost: Counts, tier: Counts, steps:
 
 
 class ReachedByMany(NamedTuple):
-    """The results of K walks. ``results`` has for each walk the numbers that
-    :func:`integrable.series.walk.walked` returns. ``states`` are those at all times; ``wrong`` marks the wrong ones.
+    """The results of K walks. ``results`` has for each walk the numbers that :func:`integrable.series.walk.walked`
+    returns. ``states`` has a state for every time; ``wrong`` marks the wrong states.
     """
 
     results: np.ndarray

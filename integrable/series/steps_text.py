@@ -3,7 +3,7 @@
 Coefficients up to the order ``wide`` are double-doubles, higher ones floats. The two walks of
 :mod:`integrable.series.walk` are lanes of one vector. Recent values stay in registers, and products of them are added
 last, because all other terms of the sum are known one order earlier. The code for low orders has no loop. Higher orders
-are a loop whose rounds compute AT_ONCE orders each. The orders in double-doubles of a large tape are a loop too.
+are computed in a loop, AT_ONCE orders in each round. For a large tape the orders in double-doubles have a loop too.
 Without loops the code would exceed the processor's instruction cache, and fetching it would take most of the time.
 """
 
@@ -30,7 +30,7 @@ class Series(Sums):
         self._blocks = 0
 
     def function(self) -> str:
-        """The LLVM function; constants, units and coefficients of order 0 must be in memory before the call."""
+        """The function; the constants, units of time and coefficients of order 0 must be in memory before its call."""
         text, done = self.text, 0
         for loop in self.loops:
             for k in range(done, loop.begin):

@@ -1,8 +1,8 @@
 """Sums of products of Taylor coefficients as LLVM text: the coefficients in memory and in registers.
 
-The sums of several nodes form one vector, and their factors are stored side by side. Straight-line code has all terms
-of a sum. A loop over orders computes AT_ONCE orders in a round: an inner loop first sums the terms of all these orders
-whose two factors belong to earlier rounds.
+The sums of several nodes form one vector, and their factors are stored side by side. Low orders are straight-line
+code, which has all terms of a sum. A loop over the other orders computes AT_ONCE orders in a round: an inner loop first
+sums the terms of all these orders whose two factors belong to earlier rounds.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Factor = tuple[str, Side, int]
 
 
 class Loop(NamedTuple):
-    """A loop over the orders ``begin`` … ``end`` − 1, of which a round computes ``at_once``."""
+    """A loop over the orders ``begin`` … ``end`` − 1, ``at_once`` orders in each round."""
 
     begin: int
     end: int
@@ -66,7 +66,7 @@ class Sums:
         self._loop = loop
         strides = {1, self.room.apart, *(side.width * side.apart for side in self.room.placed)}
         self._moving = {n: self._further("%s", done, n * self.room.lanes) for n in sorted(strides)}
-        # registers hold values of the previous round
+        # the registers recorded so far hold values of the previous round
         self._recent, self._built = {}, {}
         earlier = self._earlier_orders if loop.end <= self.wide + 1 else self._earlier_rounds
         self._before = {nodes: earlier(nodes, done) for nodes in self.room.packs}
@@ -93,7 +93,7 @@ class Sums:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        # after cancellation in a sum its parts overlap, and products of it would have only float accuracy
+        # after cancellation the two parts of a sum overlap, and products with this sum would have only float accuracy
         cancels = self.wide >= CAREFUL and self.tape.kinds[n] in (SUM, DIFFERENCE)
         if x[1] and (k == 0 or cancels):
             x = fast_two_sum(self.text, *x)
@@ -202,7 +202,7 @@ class Sums:
     def _products(
         self, text: Text, sides: Sequence[Side], terms: Sequence[Term], k: int, before: Wide | None = None
     ) -> Wide:
-        """``before`` plus the sums of several products in one vector; their factors are contiguous in memory."""
+        """``before`` plus a vector with the sums of several products; the factors are side by side in memory."""
         wide = k <= self.wide
 
         def fetched(side: int, order: int) -> Wide:
@@ -241,8 +241,8 @@ class Sums:
         text, sides, begin = self._vector(nodes), self.room.sides[nodes], self._loop.begin
         left, right, square = sides[0], sides[-1], len(sides) == 1
         at_once, last = (AT_ONCE // 2, (begin - 1) // 2) if square else (AT_ONCE, begin - 1)
-        # the first terms, j ≤ ``first``, are added after the loop, because their right factors are the newest; they
-        # leave a multiple of ``at_once`` terms to it
+        # the first terms, j ≤ ``first``, are added after the loop, because their right factors are the newest. The
+        # number of terms in the loop is a multiple of ``at_once``
         first = AT_ONCE - 1 + (last - AT_ONCE + 1) % at_once
         sums = [text.real(0.0)] * AT_ONCE
         if square:
@@ -304,8 +304,8 @@ class Sums:
         return sums
 
     def _add(self, text: Text, sums: list[str], count: int, left: Factor, right: Factor, twice: bool) -> None:
-        """Adds to ``sums``[m], m < ``count``, the product of the left factor with the right factor m orders on, doubled
-        if ``twice``.
+        """Adds to ``sums``[m], m < ``count``, the product of the ``left`` coefficient and the coefficient m orders
+        after the ``right`` one, doubled if ``twice``.
         """
         (up, side, j), (down, other, i) = left, right
         x = text.load(self._place(side, j, 0), up)
@@ -338,7 +338,7 @@ class Sums:
         return text.write(f"shufflevector {kind} {x}, {kind} undef, <{lanes} x i32> <{places}>")
 
     def _fetched(self, text: Text, side: Side, k: int, part: int) -> str:
-        """Coefficients k of the factors on one side of a group, as one vector."""
+        """Coefficients of order k of a side's factors, as a vector: the high parts, or the low parts if ``part``."""
         key = side.place, k, part
         if key not in self._built:
             # coefficients of the current order are in registers, except those of order 0 of variables
@@ -362,7 +362,7 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
 
 
 def _pairs(terms: Sequence[Term], value: Callable[[int, int], Wide]) -> list[tuple[int, Wide, Wide]]:
-    """The terms f·x·y of two coefficients ``value``(side, order), where the one of higher order comes first."""
+    """(f, x, y) for each term f·x·y; the coefficients x and y are ``value(side, order)``, x of the higher order."""
     values = ((f, (i, value(0, i)), (j, value(1, j))) for f, i, j in terms)
     return [(f, x[1], y[1]) if x[0] >= y[0] else (f, y[1], x[1]) for f, x, y in values]
 

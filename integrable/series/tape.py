@@ -35,7 +35,7 @@ class Tape(NamedTuple):
 
     @property
     def nodes(self) -> list[tuple[int, int, int]]:
-        """The triples (kind, left, right)."""
+        """The triples (kind, left, right) of all nodes, in order."""
         return list(zip(self.kinds, self.left, self.right, strict=True))
 
 
@@ -155,7 +155,7 @@ class Recorded(Operand):
         recorder = self._recorder
         x, y = recorder.lifted(left), recorder.lifted(right)
         p, q = x.constant, y.constant
-        # in a division by an int, the reciprocal would become a float
+        # a division by an int stays a division, since the reciprocal would be rounded to a float
         folded = kind != QUOTIENT or not isinstance(q, int)
         if p is not None and q is not None and folded:
             return recorder.lifted(OPERATIONS[kind](p, q))
@@ -178,7 +178,7 @@ class Recorded(Operand):
 
     @property
     def constant(self) -> object:
-        """The value of a constant, otherwise None."""
+        """The value of this number if it is a constant, else None."""
         recorder = self._recorder
         return recorder.constants[self.index] if recorder.nodes[self.index][0] == CONSTANT else None
 

@@ -13,7 +13,7 @@ Wide = tuple[str, str]
 
 
 class Text(Code):
-    """Instructions on vectors of ``lanes`` floats. Positions in memory are numbers of such vectors from pointer %s."""
+    """Instructions on vectors of ``lanes`` floats. The position n in memory is n such vectors after the pointer %s."""
 
     def __init__(self, lanes: int, before: Text | None = None) -> None:
         super().__init__(types_in(lanes))
@@ -63,17 +63,17 @@ class Text(Code):
         return self.fneg(x[0]), self.fneg(x[1]) if x[1] else ""
 
     def wide_sum(self, x: Wide, y: Wide) -> Wide:
-        """x + y for a y that becomes available after x."""
+        """x + y of double-doubles; the low part of y, which is computed after that of x, is used last."""
         s, e = two_sum(self, x[0], y[0])
         return s, self.fadd(self.fadd(e, x[1]), y[1])
 
     def wide_product(self, x: Wide, y: Wide) -> Wide:
-        """x·y for an x that becomes available after y."""
+        """x·y of double-doubles; the low part of x, which is computed after that of y, is used last."""
         p, e = two_product(self, x[0], y[0])
         return p, self.fma(x[1], y[0], self.fma(x[0], y[1], e))
 
     def wide_plus_product(self, total: Wide, x: Wide, y: Wide) -> Wide:
-        """total + x·y for an x that becomes available after y, and a y that becomes available after the total."""
+        """total + x·y of double-doubles; the low part of x, which is computed last, is used after that of y."""
         p, e = two_product(self, x[0], y[0])
         s, f = two_sum(self, total[0], p)
         return s, self.fadd(total[1], self.fadd(f, self.fma(x[1], y[0], self.fma(x[0], y[1], e))))

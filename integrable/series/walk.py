@@ -40,7 +40,7 @@ MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 APART = 1.0
 # marks of rows
 UNVISITED, COMPARED, WRONG = -1.0, 1.0, 2.0
-# how many numbers Bounds and the result of a walk have, and how many integers a Course
+# in arrays, the length of Bounds, of the result of a walk (:func:`put_result`), and of the integers of a Course
 BOUNDS, RESULTS, COUNTS = 6, 6, 9
 
 
@@ -55,11 +55,11 @@ class Codes(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """Bounds on the terms of a walk's series relative to q and to p, which determine its steps.
+    """Bounds on the terms of a walk's series, relative to q and to p. They determine the steps of the walk.
 
-    ``left_out`` bounds the last two terms, ``rounded`` the first two terms in floats. In the second walk these bounds
-    are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as right. The
-    bounds are used only for times up to ``farthest`` times the length of the first step.
+    ``left_out`` bounds the last two terms, ``rounded`` the first two whose coefficients are floats. In the second walk
+    these bounds are ``coarser`` and ``rougher`` times as large. Rows on which both walks agree to ``agreed`` count as
+    right. The bounds are used only for times up to ``farthest`` times the length of the first step.
     """
 
     left_out: float
@@ -99,9 +99,9 @@ class Given(NamedTuple):
 class Outputs(NamedTuple):
     """The times asked for, and the states ``found`` at them.
 
-    ``both`` has the states of both walks in the rows that are compared, as high and low parts. ``marks`` is UNVISITED
-    for rows that no walk has reached, WRONG for wrong rows, COMPARED for compared rows that are right, 0 for all
-    others.
+    A motion has two walks. ``both`` has the states of both in the rows that are compared, as high and low parts.
+    ``marks`` is UNVISITED for rows that no walk has reached, WRONG for wrong rows, COMPARED for compared rows that are
+    right, 0 for all other rows.
     """
 
     both: Array
@@ -114,7 +114,7 @@ class Compared(NamedTuple):
     """The comparison of the first ``rows`` rows of both walks.
 
     ``wrong`` counts the comparisons that failed, ``lost`` those that failed or predict that the last one will.
-    ``first`` is the number of rows up to the last comparison before the first lost one. ``gap`` is the largest
+    ``first`` is the number of rows up to the last compared row before the first lost one. ``gap`` is the largest
     difference of the walks, relative to the largest component of q, or of p.
     """
 
@@ -137,8 +137,8 @@ class Place(NamedTuple):
 class Course(NamedTuple):
     """The progress of a motion, in its ``unit`` of time: ``limit`` rows are to be reached, and ``steps`` were taken.
 
-    ``tier`` is the index of its bounds. The walk is at the time ``now``, its next row is ``done``. The second walk is
-    at ``later``, its next row is ``behind``. ``seen`` is the comparison of both.
+    ``tier`` is the index of the :class:`Bounds` in use. The first walk is at the time ``now``, its next row is
+    ``done``. The second walk is at ``later``, its next row is ``behind``. ``seen`` is the comparison of both.
     """
 
     unit: float
@@ -181,9 +181,9 @@ def walked(
     """The number of times reached, ``wrong``, ``lost`` and ``gap`` of :class:`Compared`, the number of steps, and the
     index of the bounds.
 
-    ``tiers`` are :class:`Bounds` one after the other. The first of them are used, from the index ``tier`` on, that
-    allow a walk as far as the last of the times. A walk that is estimated to need more than ``most`` steps is given up.
-    Times must be of one sign and ascend in size; otherwise the first number is −1.
+    ``tiers`` are :class:`Bounds` one after the other. The walk uses the first bounds from the index ``tier`` on whose
+    ``farthest`` admits the last time. A walk that is estimated to need more than ``most`` steps is given up.
+    Times must be of one sign and ascend in size; otherwise the number of times reached is −1.
     """
     course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
     goes = course.limit > 0
@@ -233,7 +233,7 @@ def bounds_of(tiers: Array, tier: int) -> Bounds:
 
 
 def of_member(layout: Layout, many: Many, member: int, slot: int, outputs: Outputs) -> Outputs:
-    """The part of ``outputs`` for a motion; ``both`` is shared by the motions of a slot."""
+    """The part of ``outputs`` for one motion. All motions of a slot in turn use the same part of ``outputs.both``."""
     width, begin, end = layout.parts * layout.half, many.ends[member], many.ends[member + 1]
     share = len(outputs.both) // (layout.lanes // WALKS)
     both = outputs.both[slot * share : slot * share + 2 * WALKS * width * (end - begin)]
@@ -292,8 +292,8 @@ def begun(
 def onward(
     codes: Codes, bounds: Bounds, layout: Layout, most: float, room: Array, lane: int, course: Course, outputs: Outputs
 ) -> tuple[Course, bool]:
-    """Writes the rows that the series of both walks reach, and the next steps to memory. Returns the progress, and
-    whether a walk takes a step.
+    """Writes the rows that the series of both walks reach, and stores the next steps in memory. Returns the progress,
+    and whether a walk takes a step.
     """
     unit, tier, limit, steps, now, done, later, behind, seen = course
     times, ahead = outputs.times, -1.0 if outputs.times[len(outputs.times) - 1] < 0 else 1.0
@@ -385,7 +385,7 @@ def put_unit(layout: Layout, room: Array, lane: int, unit: float) -> None:
 
 
 def shortest_time(layout: Layout, room: Array, lane: int) -> float:
-    """The shortest time scale of q or p, estimated from their first coefficients in the unit 1."""
+    """The shortest time scale of q or p, estimated from their first Taylor coefficients for the unit of time 1."""
     shortest = FARTHEST
     for begin in (0, layout.half):
         for j in range(FIRST):
@@ -471,7 +471,7 @@ def last_compared(outputs: Outputs, row: int) -> float:
 
 
 def mark_of(outputs: Outputs, row: int, farthest: float) -> float:
-    """The mark of a row: it is compared if it is the last row, or if the next one is beyond ``farthest``."""
+    """The mark of a row: COMPARED if the row is the last one, or if the next one is beyond ``farthest``; else 0."""
     last = row + 1 == len(outputs.times)
     return COMPARED if last or abs(outputs.times[row + 1]) > farthest else 0.0
 
@@ -505,8 +505,8 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:
-    """``seen``, continued up to row ``limit``. A row that is not compared is wrong if the nearest compared row before
-    or after it is wrong.
+    """``seen``, continued up to row ``limit``; marks the wrong rows. A row that is not compared counts as wrong if the
+    nearest compared row before or after it is wrong.
     """
     times, marks, last = outputs.times, outputs.marks, abs(outputs.times[len(outputs.times) - 1])
     rows, wrong, lost, first, worst = seen
@@ -520,7 +520,7 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
                 marks[row] = WRONG
                 wrong += 1
             worst = widest if not widest <= worst else worst
-            # the difference grows at least linearly in time, so it is at least ``widest``·last/way in the last row
+            # the walks' difference grows at least linearly in time: in the last row it is at least ``widest``·last/way
             way = abs(times[row])
             if off or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
                 first = rows if lost == 0 else first
@@ -530,7 +530,9 @@ def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs:
 
 
 def row_gap(layout: Layout, agreed: float, row: int, outputs: Outputs) -> tuple[bool, float]:
-    """Whether the walks disagree in a row, and the largest difference relative to the largest number of its part."""
+    """Whether the two walks of a motion disagree in a row, and their largest difference there: each of the parts q, p
+    and any further part is measured relative to its largest component.
+    """
     half, width, count, both = layout.half, layout.parts * layout.half, len(outputs.times), outputs.both
     off, widest = False, 0.0
     for part in range(layout.parts):
@@ -557,7 +559,7 @@ def start(code: int, constants: Array, state: Array, room: Array, lane: int) -> 
 
 
 def execute(code: int, room: Array) -> None:
-    """Computes the coefficients in memory, or their ratios, or advances the state by a step, by the ``code``."""
+    """Runs the ``code`` that computes the coefficients in memory or their ratios, or advances the state by a step."""
     _called(code, room)
 
 

@@ -30,7 +30,7 @@ def _in_lane(b: Operators, room: Value, lane: Value) -> str:
 
 
 def _logarithm(b: Operators, x: Value) -> Value:
-    # the bits of x as an integer, divided by 2^52, are the biased exponent plus the mantissa m − 1, near log₂ m
+    # for x = m·2^e the bits, read as an integer and divided by 2^52, are 1023 + e + (m − 1), where m − 1 is near log₂ m
     word = b.write(f"bitcast double {b.float_of(x)} to i64")
     found = Value(FLOAT, (b.write(f"sitofp i64 {word} to double"),))
     return b.binary("Sub", b.binary("Mult", found, real(2.0**-52)), real(1023.0))

@@ -160,8 +160,8 @@ def _start(room: Room, start: Tape) -> str:
         if kind not in (VARIABLE, CONSTANT):
             continue
         high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
-        # the start of the second walk; constants and variables that are functions of the state all change by one
-        # factor, so that a variable that is equal to a constant stays equal to it
+        # the start of the second walk. All constants, and all variables that are functions of the state, change by the
+        # same factor, so that a variable that is equal to a constant stays equal to it
         again = single.fma(high, single.real(moved * (min(n, shown) % 5 - 2.5)), low)
         # constants of a walk in floats have no low part, so their change must show in the high part
         both = kind == CONSTANT and wide < 0

@@ -55,8 +55,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         return step.plain(state)
     condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
-        # near a double point of the curve the addition of divisors loses more digits than the condition says, and may
-        # raise
+        # near a double point of the curve the addition of divisors loses more digits than the condition says
         with suppress(PrecisionLoss):
             image = step.plain(state)
             lost = drift(step.system, image, state)
@@ -109,8 +108,8 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
 
 
 def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], State]]], count: int) -> list[State]:
-    """:func:`in_wider_numbers` for given attempts, tried in order. Each is (digits, function that makes the state for a
-    system with these digits).
+    """The states of :func:`in_wider_numbers`, from the first of the ``attempts`` that has enough digits. An attempt is
+    (digits, function that makes the state for a system with these digits).
     """
     K = step.system.field
     for digits, made in attempts:
@@ -174,7 +173,7 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
 
 
 def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
-    """The state with γ (or M, if ``by_momentum``) turned away from its exact direction by 10^−distance."""
+    """The state with γ and M (only M if ``by_momentum``) turned away from their exact directions by 10^−distance."""
     K: Any = system.field
     gamma, M = (list(map(K.coerce, v)) for v in state.vectors)
     i = max(range(3), key=lambda k: abs(M[k]))
@@ -207,9 +206,7 @@ def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
 
 
 def _digits(field: Any, condition: float) -> list[int]:
-    """The numbers of digits to try: twice the sum of the field's digits and those lost to the condition, then 2 and 4
-    times as many.
-    """
+    """Numbers of digits to try: n = 2(the field's digits + those lost to the condition), 2n and 4n."""
     own = field.dps or EPS_DIGITS
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))

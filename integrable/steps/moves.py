@@ -105,7 +105,7 @@ class Multiplication(Move):
         kappas = coordinates.kappas(body)
         if K.zero in kappas:
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # for an even factor the roots never exist over the reals
+        # over the reals an even factor is refused here: κ of the middle axis is negative
         even = self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)
@@ -136,7 +136,7 @@ class Keyless(Move):
         return f"<keyless map on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image of an upright state. NotASquare if |M|, a √(1 − d·a_i) or g̃ is not in the field."""
+        """The image of an upright state. NotASquare if |M|, g̃, or √(1 − d·a_i) for an i, is not in the field."""
         body, K = self.system.body, self.system.field
         _, M = state.vectors
         h2 = K.dot(M, M)
@@ -191,7 +191,7 @@ class ConicStep(Move):
         return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
 
     def _condition(self, state: State) -> float:
-        """The amplification of rounding errors in c, relative to √H2."""
+        """The amplification of rounding errors in c = (y0 − V(x0))/U(x0), relative to |c| + √H2."""
         system, K = self.system, self.system.field
         if self.x0 is None or K.exact:
             return 1.0
@@ -207,7 +207,7 @@ class ConicStep(Move):
         return float((abs(y0) + poly.size_at(v, self.x0) + poly.size_at(u, self.x0) * above / below) / size)
 
     def _image(self, state: State) -> State:
-        """The image of an upright state. NotASquare if s is not in the field; NotRepresentable if U(x0) or s is 0."""
+        """The image of an upright state. NotASquare if c² + 4H2 is no square; NotRepresentable if it or U(x0) is 0."""
         from jacobian.relatives.conic import parameter
 
         system, K = self.system, self.system.field

@@ -101,7 +101,7 @@ class Shift(Move):
             digits = needed + SPARE
 
     def _integrals(self, setup: Setup) -> tuple[Real, Real]:
-        """The two components of w in the units of the motion."""
+        """w (:class:`Shift`) in the coordinates x/X and y/(2X²|M|) of the set-up, where X is the largest a_i."""
         problem, wide = setup.problem, setup.wide
         h2 = problem.momentum * problem.momentum
         jets = JetField(wide, 2)
@@ -123,8 +123,8 @@ def sum_of(setup: Setup, first: Any, second: Any) -> Row:
     """The translation T with (Σ∫dx/y, Σ∫x dx/y) = (first, second) in bare reals, as the sum T₀(first + second) +
     T₋₁(−second).
 
-    T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0. T₋₁(ε) is computed about x = −1, which like 0 lies left of
-    all branch points; it has Σ∫(x + 1)dx/y = 0.
+    T₀(ε) is :meth:`Translations.near`, with Σ∫x dx/y = 0. T₋₁(ε), with Σ∫(x + 1)dx/y = 0, is the same series about
+    x = −1, which like 0 lies left of all branch points.
     """
     terms, total = [], first + second
     if total:

@@ -1,7 +1,7 @@
 """Bäcklund maps as additions: D ↦ D + D' with D' on the current curve.
 
-Every D' preserves H1 and H2. The map is canonical for points of fixed abscissa, the point at infinity, branch points,
-and sums of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through y' = √f(x')).
+Each map preserves H1 and H2. It is canonical if D' is a point of fixed abscissa, the point at infinity, a branch point,
+or a sum of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through y' = √f(x')).
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ class Translation(Move):
         return group, self._last[5]
 
     def _class(self, h1: Real, h2: Real) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
-        """The group of the curve of (h1, h2), and (u, v) of D' before it is multiplied; cached as in :meth:`_move`."""
+        """The group of the curve of (h1, h2), and (u, v) of D' = Σ (x_k, y_k) − points at infinity; cached."""
         if not self._is_last(h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
@@ -197,7 +197,7 @@ class Translation(Move):
     def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
         if self.multiple % 2:
             return group.multiple(self.multiple, self._lifted(group, u, v))
-        # the double of any divisor has its signed roots in the field
+        # for the double of any divisor (U, V) the roots of U at the branch points are in the field
         move = group.multiple(self.multiple // 2, group.double(group.twist(u, v)))
         neg = self.system.field.neg
         signed = zip(move.pairs, (*self.signs, 1), strict=False)
@@ -263,7 +263,7 @@ class Translation(Move):
 
 
 def moving_branch_point(h1: Real, h2: Real) -> Real:
-    """The abscissa h1/h2 of the branch point that moves with the integrals, for ``points``."""
+    """The abscissa h1/h2 of the branch point that depends on the integrals; one of the ``points`` of a Translation."""
     abscissa: Real = h1 / h2
     return abscissa
 
@@ -298,5 +298,5 @@ def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...
 
 
 def _own(K: Any, x: Any) -> Any:
-    """An abscissa as a number of K; a complex number is taken as exact."""
+    """The abscissa x. A complex x over MP becomes a complex number with the digits of MP, without rounding."""
     return K.context.mpc(x) if not K.exact and K.dps and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x

@@ -69,7 +69,7 @@ def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tupl
 
 
 def once_cells(standings: Sequence[Standing]) -> tuple[str, ...]:
-    """Four cells: the ranges of the costs once a system, then once a machine, of the flow and of its competitors."""
+    """Four ranges of seconds: once for each system, by the flow and by its competitors; once per machine, by both."""
     sides = ([s.flow for s in standings], [s.peer for s in standings if s.peer is not None])
     return tuple(_span([row[part] for row in side]) for part in ("system", "machine") for side in sides)
 
@@ -108,7 +108,7 @@ def factor(value: float) -> str:
 
 
 def _way(found: SceneFindings) -> str:
-    """The setting of the flow's fastest row in floats, marked where no divisors are added."""
+    """The setting of the flow's fastest row in floats, with a note if the flow integrates the equations of motion."""
     setting: str = next((c["row"]["setting"] for c in found.flow if c["result"] is found.best), "failed")
     return setting if found.moved_by_divisors or not found.flow else f"{setting}, integrated: no divisors"
 

@@ -123,9 +123,7 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
 
 
 def _look(method: str, setting: str, size: float) -> dict[str, Any]:
-    """The colour, shape and size of a method's marks. The marks of the flow show its arithmetic, so points need no
-    labels.
-    """
+    """Colour, shape and size of a method's marks; for the flow they show its arithmetic, so points need no labels."""
     ring = {"markerfacecolor": "none", "markersize": RING * size}
     face = {"compiled": ring, "floats": {}, "": {}}.get(setting, {"fillstyle": "bottom"})
     return {**look_of(method), "markersize": size, **(face if method in OWN else {})}

@@ -1,4 +1,4 @@
-"""Evaluation of a study's rows: which method is more accurate in equal run time, errors over the floor, orders."""
+"""Evaluation of a study's rows: the more accurate method in equal run time, error/floor, orders of convergence."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ class Behind:
 
     @property
     def cheaper(self) -> bool:
-        """Whether the row is unbeaten because it is faster than the flow, and not because it is more accurate."""
+        """Whether the row is faster than all rows of the flow, of which there is at least one."""
         return self.flow_error is None and self.first is not None
 
 
 @dataclass(frozen=True)
 class Standing:
-    """The flow in floats compared with the fastest other method whose error is at most the flow's or the floor."""
+    """The flow in floats compared with the fastest other method whose error is at most max(flow's error, floor)."""
 
     T: float | None
     """The time, in time scales of the motion; None: all times of the scene."""
@@ -83,7 +83,7 @@ class Standing:
 
     @property
     def least(self) -> float | None:
-        """A lower bound of the ratio of run times, where no other method was accurate enough and some were stopped."""
+        """The longest run time that a method exceeded, divided by the flow's; None if none did, or one was accurate."""
         slower = [told["slower"] for told in self.tried.values() if "slower" in told]
         return float(max(slower) / self.flow["total"]) if self.peer is None and slower else None
 
@@ -221,7 +221,7 @@ class SceneFindings:
     def _beside(row: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
         """A result of the flow for comparison with a row.
 
-        For a result in floats the run time is the one measured in turn with the comparator, if there is such a time.
+        Where the flow in floats was timed alternately with the row's method, its run time is that of this measurement.
         """
         in_turn = own["row"]["setting"] == "floats" and "flow" in row
         result: dict[str, Any] = own["result"]
@@ -268,9 +268,7 @@ class Study:
 
     @property
     def horizons(self) -> list[float | None]:
-        """The single times at which flows were compared with others, the shortest first, and None for all of a scene's
-        times.
-        """
+        """The single times at which flows were compared with others, ascending, and None for all of a scene's times."""
         every = [standing.T for f in self.motions for standing in f.standings]
         return [*sorted({T for T in every if T is not None}), *([None] if None in every else [])]
 
@@ -283,8 +281,8 @@ class Study:
     def behind(self) -> list[Behind]:
         """The rows of comparators that the flow does not beat.
 
-        Rows of scenes that are :attr:`SceneFindings.long` come first. In either part, rows that are more accurate than
-        the flow in the same time precede rows that are only faster; then run times descend.
+        Rows of scenes that are :attr:`SceneFindings.long` come first. Among these and among the rest, rows that are
+        more accurate than the flow in the same time precede rows that are only faster; then run times descend.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
         order = sorted(
@@ -294,7 +292,7 @@ class Study:
 
     @property
     def behind_by_method(self) -> list[tuple[Behind, int]]:
-        """The most accurate row of :attr:`behind` for each scene and method, with the number of such rows.
+        """For each scene and method its most accurate row of :attr:`behind`, with the number of its rows there.
 
         The results are in the order of :attr:`behind`.
         """

@@ -188,7 +188,7 @@ def _tolerance(task: Task, kept: Data | None, tick: Tick) -> Data:
 
     dop853(system, state, [min(times, key=abs) or 1e-3], rtol=1e-3, atol=1e-3)  # imports SciPy, outside of the timing
     result, solution = _timed(once, task, tick)
-    del result["setup"], result["evaluation"]  # SciPy has no such parts
+    del result["setup"], result["evaluation"]  # SciPy's call does not separate them
     judged = _truth_of(task, kept).judge(solution.gamma, solution.M)
     return result | {"evaluations": solution.evaluations} | judged
 

@@ -88,7 +88,7 @@ class _Run:
     # --- the tasks
 
     def _given(self, cost: float) -> Scene:
-        """The scene from which a row with ``cost`` digits starts: rounded to doubles if row or run is in floats."""
+        """The scene for a row of ``cost`` digits; its numbers are rounded to doubles if row or run is in floats."""
         return self.scene if min(cost, self.digits) > FLOAT_DIGITS else self.rounded
 
     def _task(self, kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1) -> Task:
@@ -177,8 +177,8 @@ class _Run:
         return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
 
     def _judge(self, task: Task) -> Truth:
-        """The reference for a row's errors: the truth, or for the run's own result the row with the fewest digits that
-        has at least MORE digits more.
+        """The reference for a row's errors: the truth. For the run's own result it is the first of ``flows`` that has
+        at least MORE digits more, if there is one.
         """
         finer = [one for one in self.flows if (one.value or 0) >= self.digits + MORE and one.scene is task.scene]
         if task is not self.own or not finer:

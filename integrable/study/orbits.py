@@ -171,9 +171,9 @@ def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, 
 
 
 def _jump(step: Any, state: State, found: Orbit) -> float | None:
-    """The largest difference of γ and M/|M| between two states, for count steps that add the divisor D' each: the end
-    of the orbit, and the state that one addition of [count]D' reaches. Over an exact field the result is 1 if they
-    differ, else 0. None if the step is no translation.
+    """The largest difference of γ and M/|M| between two states: the end of the orbit, whose steps add D' each, and the
+    image of its start under one addition of [count]D'. Over an exact field the result is 1 if the states differ, else
+    0. None if the step is no translation.
     """
     if not isinstance(step, Translation):
         return None
@@ -192,7 +192,6 @@ def _jump(step: Any, state: State, found: Orbit) -> float | None:
 
 
 def _words(scene: Scene) -> str:
-    """The map in words, as the scene gives it."""
     assert scene.steps is not None
     maps = []
     for one in scene.steps.maps:

@@ -41,7 +41,7 @@ of the steps are in the asymptotic range.
 
 
 def answer(study: Study) -> str:
-    """The text of a study for the terminal: the rows where the flow is not ahead, then a line for each scene."""
+    """The text of a study for the terminal: rows where the flow is not ahead, a line for each scene, and failures."""
     behind = [behind_cells(study, *entry) for entry in study.behind_by_method]
     none = "The divisor flow is ahead of every row." if any(f.comparators for f in study.motions) else NO_OTHERS
     lines = ["Rows where the divisor flow is not ahead:" if behind else none]

@@ -157,9 +157,9 @@ _ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "compara
 def in_order(tasks: Sequence[Task]) -> list[Task]:
     """The tasks of a study in the order in which they are measured.
 
-    Tasks that need not run alone come first. Then come the tasks that every scene should have even if time is short:
-    the flow in floats, and its comparison with other methods at single times. Last come the other methods at each of
-    their settings, with the methods of :data:`STRONG` first.
+    Tasks that need not run alone come first. Then come the flow in floats, its comparisons with other methods, orbits
+    and first answers, which a study should have even if time is short. The other methods at each of their settings
+    follow, those of :data:`STRONG` first. Bäcklund steps and the flow in more digits come last.
     """
 
     def place(task: Task) -> tuple[int, bool, float]:

@@ -324,7 +324,7 @@ def orbit_error(report: OrbitReport) -> Figure:
         if shown.any():
             colour = colours[k % len(colours)]
             axes.plot(steps[shown], error[shown], color=colour, linewidth=1.4)
-            # a mark at the end distinguishes lines without colours
+            # different marks at the ends distinguish the lines for readers who do not see the colours
             axes.plot(steps[shown][-1], error[shown][-1], color=colour, marker=markers[k % len(markers)], markersize=5)
             words: dict[str, Any] = {
                 "textcoords": "offset points",

@@ -139,7 +139,6 @@ def _floor(report: Report) -> list[str]:
 
 
 def _words(report: Report) -> list[str]:
-    """Lines of text that define the errors and drifts."""
     if report.letters == ("q", "p"):
         names = ", ".join(report.integrals)
         return [

@@ -71,7 +71,8 @@ _KEPT: dict[tuple[str, str], tuple[float, float]] = {}
 
 
 def first_use(task: Task) -> tuple[float, float]:
-    """The seconds that the flow in floats spends once per machine, and until its first answer, for a kind of system.
+    """Two times of the flow in floats: the seconds spent once per machine for a kind of system, and those until the
+    first answer.
 
     Both are measured at the flow's first use in this process, as for the other methods. They include imports, and
     compiling or loading compiled code.
@@ -87,8 +88,8 @@ def first_use(task: Task) -> tuple[float, float]:
 
 
 def _compile_walks(scene: Scene) -> None:
-    """Compiles, or loads from disk, the Taylor series that systems of this kind use for times near the start. In longer
-    use the flow would compile them by itself.
+    """Compiles, or loads from disk, the Taylor series that systems of this kind use for times near the start. The flow
+    compiles them by itself only after some use.
     """
     from integrable.deformations.equations import kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
@@ -130,8 +131,8 @@ def at_one_time(task: Task) -> Task:
 def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
     """The comparison of the flow with other methods, with the keys "flow", "floor_gamma", "peer", "tried" and "strong".
 
-    "peer" is the fastest other method whose error is at most the flow's or ``floor``, or None if there is none. "tried"
-    has the most accurate run of each method, or the reason why there is none. "strong" has the names in
+    "peer" is the fastest other method whose error is at most max(flow's error, ``floor``), or None. "tried" has the
+    most accurate run of each method, or the reason why there is none. "strong" has the names in
     :data:`~integrable.study.plan.STRONG`.
     """
     limits = task.limits
@@ -202,7 +203,7 @@ def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple
 
 
 def affordable(told: float, task: Task) -> None:
-    """Raises TooLong if a whole run would take more seconds than the study allows."""
+    """Raises TooLong if a whole run, of about ``told`` seconds, would take longer than the study allows."""
     if told > task.limits.run:
         more = f"more than the {task.limits.run:.2g} s of this study"
         raise TooLong(f"not run: a whole run would take about {told:.2g} s, {more}")

@@ -38,7 +38,7 @@ def at_most(seconds: float, late: BaseException | None = None, busy: bool = Fals
     """Raises TooLong, or ``late``, in a block that takes more than ``seconds``.
 
     The seconds are of the clock, or of this process's CPU time if ``busy``. The limit works only in a main thread.
-    Windows has no such alarm; there a row that takes too long ends with its worker.
+    Windows has no interval timers; there a row that takes too long ends when its worker is killed.
     """
     if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
         yield

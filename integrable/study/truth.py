@@ -61,9 +61,9 @@ def compute(
 
     With ``digits`` given, the truth has that many, and is checked at one ``time`` to as many digits. Otherwise its
     digits are the first of :data:`DIGITS` that resolve the motion, and the check goes as far in time as the integrator
-    gets in ``patience`` seconds (0: no check). If none of them resolves the motion, the error is raised, except for a
-    body: its truth is then the Taylor series alone, with "check" None and the message as "refusal". ``tick(label)`` is
-    called between the pieces of work.
+    gets in ``patience`` seconds (0: no check). If no number in DIGITS suffices, the error is raised, except for a body:
+    its truth is then the Taylor series alone, with "check" None and the message as "refusal". ``tick(label)`` is called
+    between the pieces of work.
     """
     begun = perf_counter()
     if digits is not None:

@@ -49,7 +49,7 @@ class Scenes(Starts[Motion, Any]):
 
 
 def done(many: Starts[Any, Any], times: np.ndarray) -> tuple[np.ndarray, Outcome]:
-    """The states of k members at N times, of shape (k, N, C), and their outcome.
+    """The states of k members at N times, shape (k, N, C) with C numbers a state, and their outcome.
 
     They are computed on one thread, since other workers compute other chunks at the same time.
     """

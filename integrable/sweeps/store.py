@@ -118,7 +118,7 @@ class Store:
             discarded(self.folder)
 
     def put(self, chunk: int, rows: np.ndarray, found: Outcome) -> None:
-        """Writes the states of a chunk, of shape (k, N, C), then enters the chunk in the journal."""
+        """Writes the states of a chunk, of shape (members, times, numbers), then enters the chunk in the journal."""
         numbers = {reason: n for n, reason in enumerate(self.reasons)}
         own = np.array([numbers.setdefault(reason, len(numbers)) for reason in found.reasons], dtype=np.int32)
         status = own[statuses(found.status, found.partial, rows.shape[1])]

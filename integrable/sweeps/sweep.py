@@ -185,7 +185,6 @@ def _of_scene(scene: Scene, vary: Any) -> _Source:
 
 
 def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any) -> None:
-    """Computes all missing chunks."""
     left = (i for i in range(store.layout.chunks) if i not in store.done)
     under_way: dict[Future[Any], int] = {}
     try:

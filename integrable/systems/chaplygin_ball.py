@@ -45,8 +45,8 @@ class ChaplyginBall(System[Coordinate]):
 
     @classmethod
     def _of(cls, body: Body[Coordinate]) -> ChaplyginBall[Coordinate]:
-        """The ball with the parameters of ``body``, made without the warning for moments that no rigid body has. A
-        Hamiltonian may have such parameters.
+        """The ball with the parameters of ``body``, made without the warning for moments that no rigid body has: the
+        Hamiltonians of deformations are defined for such moments too.
         """
         made = object.__new__(cls)
         vars(made).update(radius=None, body=body)

@@ -48,9 +48,7 @@ class BodyOnLayer(BodySystem):
         return body.divisor(body.state(*state))
 
     def flow(self, state: Point, tolerance: float | None = None) -> Flow:  # type: ignore[override]
-        """The motion through a state by the body's own flow, where q = γ and p = M. ArgumentError if a tolerance is
-        given.
-        """
+        """The motion through a state by the body's own flow, q = γ and p = M. ArgumentError if a tolerance is given."""
         if tolerance is not None:
             raise ArgumentError(
                 f"tolerance = {shown(tolerance)}: the flow of a body is right to its last bits; give none"

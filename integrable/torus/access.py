@@ -37,7 +37,7 @@ from jacobian.periods.real_basis import Whole
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# from DENSE_FROM ascending times on, with at least DENSE of them per node, interpolation on panels is faster
+# at DENSE_FROM or more ascending times, if panels have at least DENSE times per node, interpolation on them is faster
 DENSE_FROM = 5000
 DENSE = 3
 # the states must satisfy the equations of motion up to RIGHT times the largest velocity
@@ -55,7 +55,6 @@ class BodyTorus:
 
     def __init__(self, setup: Setup, loops: Loops) -> None:
         self.setup, self.loops = setup, loops
-        # the data of the motion, in its own units of length and time
         self.units, self._motion, self.tilt, start, self._problem, self._smallest = loops.begun(setup)
         found = loops.room(FOUND)
         m1, n1, m2, n2 = loops.periods(self._motion, loops.short, loops.room(4), found)
@@ -133,8 +132,8 @@ class BodyTorus:
 
 
 def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
-    """(ε₁, ε₂, δ₁, δ₂) of the theta functions that belong to the branch points α1, α2 and α3. ``points`` are these and
-    ζ (:mod:`integrable.torus.states`).
+    """(ε₁, ε₂, δ₁, δ₂) of the theta functions that belong to the branch points α1, α2 and α3. ``points`` are α1, α2,
+    α3 and ζ (:mod:`integrable.torus.states`).
     """
     # α_i that are equal in floats are distinguished by their index
     *axes, zeta = points
@@ -147,8 +146,8 @@ def characteristics(points: list[float], basis: PeriodBasis) -> list[Whole]:
 class TorusFlow(BodyTorus):
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.moving_point.setup.Setup`.
 
-    PrecisionLoss where the torus is not compact, needs more than MOST_SAMPLES samples of 1/g, or where the loops lose
-    too many digits.
+    PrecisionLoss where the torus is not compact, where 1/g needs more than MOST_SAMPLES samples, and where the loops
+    lose too many digits.
     """
 
     way = "torus"
@@ -163,7 +162,7 @@ class TorusFlow(BodyTorus):
         self._turns_in_t = [nu1 / mean, nu2 / mean] if rolls else self._turns
         if not all(map(isfinite, self._turns + self._turns_in_t)):
             raise PrecisionLoss(BEYOND)
-        # a basic step in units of τ
+        # a basic step (:attr:`Setup.step_length`) in the user's τ
         self._step = 2 * float(problem[HALF_STEP]) / scale
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
@@ -234,7 +233,7 @@ class TorusFlow(BodyTorus):
             return None
 
     def _rows_at(self, times: np.ndarray) -> np.ndarray:
-        """γ, M and τ − t/mean, shape (N, 7)."""
+        """γ, M and τ − t/(mean of 1/g), shape (N, 7)."""
         rows, _, delays = self._rows_of_clock(times)
         return np.column_stack([rows, delays])
 

@@ -34,12 +34,12 @@ ROUGH = 1e-4
 # a mode is loud, and is summed in double-doubles, if its amplitude in τ is LOUD·(least dt/dτ)/(mean dt/dτ) or more;
 # floats would lose digits of τ in it. Amplitudes are in units of the time in which the body turns by about a radian
 LOUD = 0.05
-# the error of a spectrum is at most SLOW times the frequency of a phase, since slow modes are divided by their
-# frequencies, but EXTENDED at best. Modes below ROUNDING times the largest, which rounding may have made, are left out
+# slow modes are divided by their frequency. So the error of a spectrum is at most SLOW times the frequency of a phase,
+# or EXTENDED if that is more. Modes below ROUNDING times the largest, which rounding may have made, are left out
 SLOW = 1e-13
 EXTENDED, ROUNDING = 2.0**-58, 2.0**-90
-# a mode is dropped only if it moves τ by less than this, in the unit of LOUD: a slow mode may be small in 1/g and still
-# move τ
+# a mode is dropped only if it moves τ by less than this fraction of the time in which the body turns by a radian: a
+# slow mode may be small in 1/g and still move τ
 LEAST_SWING = 1e-17
 # turns of a phase at the times of :meth:`FarTimes.witnesses`: more than one in either direction, so that sign changes
 # of the γ_i after a turn are tested
@@ -70,7 +70,7 @@ class FarTimes:
         """Two times for each phase, one positive and one negative, in which it makes more than one turn. So they test
         the sign changes of the γ_i after a turn.
         """
-        # if the faster phase loses its fraction before a turn of the slower one, the signs of the latter do not matter
+        # beyond ``farthest`` a time in floats does not determine the faster phase, so no sign needs a test there
         farthest = FAR / max(map(abs, self.paces))
         return np.array([min(max(turns / nu, -farthest), farthest) for nu in self.paces for turns in TURNS])
 
@@ -149,8 +149,8 @@ def resolved(samples: Samples, transformed: Transform[Found], sizes: tuple[int, 
 
 class RateSpectrum(NamedTuple):
     """Fourier coefficients of dt/dτ on a torus, in the layout of :mod:`integrable.torus.clock_modes`, and the shape of
-    the grid that resolves them. ``least`` is the smallest sample divided by the mean: where dt/dτ is small, τ amplifies
-    errors of t.
+    the grid that resolves them. ``least`` is the smallest sample divided by the mean: where dt/dτ is small, an error
+    of t becomes a larger one of τ.
     """
 
     values: Row
@@ -188,11 +188,12 @@ class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
     ``rates`` are the turns of both phases per unit of τ, the mean of dt/dτ, and 2π. In a time τ of 1/``scale`` the body
-    turns by about a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
-    periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
+    turns by about a radian. Modes below ``noise`` times the largest are left out if they hardly move τ
+    (:class:`~integrable.torus.clock_modes.Cutoffs`). ``doubled`` are the periods of dt/dτ in turns. PrecisionLoss where
+    a mode is in resonance.
 
-    Near a resonance τ − t·(mean dτ/dt) oscillates by many turns, which amplify the rounding of phases. Up to ``most``
-    turns this changes γ by a few units of the last bit of a float.
+    Near a resonance τ − t·(mean dτ/dt) oscillates by many turns, which amplify the rounding of phases. As long as a
+    phase makes at most ``most`` turns, this rounding changes γ by a few units of the last bit of a float.
     """
 
     def __init__(

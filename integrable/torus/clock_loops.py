@@ -43,8 +43,8 @@ class Clock(NamedTuple):
     ``doubled`` are the periods of 1/g, in turns of the phases. Of the modes of S, the series ``rough`` has the larger
     ones, ``series`` all, and ``quiet`` all but the largest. The pairs (k, m) of the largest are ``modes``; ``loud`` has
     a constant, and the real and imaginary parts of their coefficients. ``pace`` has mean rates: the turns of each phase
-    per unit of t, then per unit of τ, then dτ/dt and dt/dτ. ``inverse`` is that of
-    :func:`integrable.torus.theta_series.circle`, ``circle`` the same in floats.
+    per unit of t, then per unit of τ, then dτ/dt and dt/dτ. ``inverse`` is the result
+    of :func:`integrable.torus.theta_series.circle_numbers`, ``circle`` that in floats.
     """
 
     doubled: tuple[int, int]
@@ -76,7 +76,7 @@ class ClockRoom(NamedTuple):
 def states_at_times(
     body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: ClockRoom, phases: Row
 ) -> None:
-    """Writes τ at physical times t, τ − t·(mean dτ/dt), and γ and M, six floats for each time, into ``found``.
+    """Writes three arrays for physical times t into ``found``: τ; τ − t·(mean dτ/dt); γ and M, six floats for each t.
 
     ``phases`` is memory for two phases at each time.
     """

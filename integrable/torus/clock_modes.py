@@ -19,7 +19,8 @@ LEVEL = 1e-8
 # modes, bodies whose moments differ by a factor of 10⁶ up to 90 (tests.fuzz flow). Each mode costs about 0.3 µs per
 # time
 MOST_LOUD = 400
-# a mode that moves τ by more turns than this is in resonance: floats would invert the clock only to 1e-4 of a turn
+# a mode by which a phase oscillates by more turns than this is in resonance: floats would invert the clock only to
+# 1e-4 of a turn
 MOST_SWING = 1e12
 
 
@@ -135,15 +136,15 @@ def clock_series(
     """Writes S with dS/dτ = (1/g − mean)/mean, from the spectrum of 1/g, to ``tables``.
 
     Returns four numbers. The first is a bound of |S|. The second is minus the sum of all modes at the start, which
-    makes S vanish there; the third is the same for the quiet modes alone. The last is the mean of the samples of 1/g
-    divided by the true mean, 1 up to rounding. ``given`` has the numbers (turns of phase 1 and of phase 2 per unit of
-    τ, mean of 1/g, 2π), then the periods of 1/g in both phases, in turns. ``loud`` and ``pace`` are filled for
+    makes S vanish there; the third is the same without the modes in ``loud``. The last is the mean of the samples of
+    1/g divided by the true mean, 1 up to rounding. ``given`` has the numbers (turns of phase 1 and of phase 2 per unit
+    of τ, mean of 1/g, 2π), then the periods of 1/g in both phases, in turns. ``loud`` and ``pace`` are filled for
     :class:`integrable.torus.clock_loops.Clock`.
     """
     columns, (turns, doubled) = grid[1], given
     nu1, nu2, mean = turns[0], turns[1], turns[2]
     pace[0], pace[1], pace[2], pace[3], pace[4], pace[5] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
-    # the rates of both phases, in periods of 1/g per unit of τ, the mean of 1/g, and 2π
+    # (rate of phase 1, rate of phase 2, mean of 1/g, 2π); rates are in periods of 1/g per unit of τ
     rates = nu1 / doubled[0], nu2 / doubled[1], mean, turns[3]
     resonant, bound, swing = swings(values, grid, rates, limits, tables)
     tables.counts[6] = -1 - resonant

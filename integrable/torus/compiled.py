@@ -1,7 +1,7 @@
 """The loops of random access on the torus, compiled from :mod:`integrable.torus.states` and other modules of this room.
 They use double-doubles for theta functions, and floats for most modes of Fourier series.
 
-Arrays of numbers are float arrays with a last axis (hi, lo).
+Arrays of double-doubles are float arrays with a last axis (hi, lo).
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 class TimedRun(Protocol):
-    """States at physical times, or at values of τ."""
+    """A run whose states were requested at physical ``times``, or at values of τ if ``given_in_tau``."""
 
     times: np.ndarray
     tau: np.ndarray
@@ -78,15 +78,15 @@ class TorusIntegral:
         return together(self._series, *self._flow.phases(times, physical, self._doubled))
 
     def swings_and_rates(self, phases: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        """For each part of the F of :class:`TorusIntegral`: its integral minus the mean rate times τ, and its value,
-        both at phases (N, 2) in turns.
+        """For each part of the F of :class:`TorusIntegral`: S with dS/dτ = F − (mean of F), and F, both at phases in
+        turns, shape (N, 2).
         """
         first, second = (phases / self._doubled).T
         return [series.swings_and_rates(first, second) for series in self._series]
 
 
 def periods_of(flow: BodyTorus) -> tuple[int, int]:
-    """The periods, in turns of both phases, of functions that may change their sign if an odd number of the γ_i do."""
+    """The periods, in turns of both phases, of functions that may change sign where an odd number of the γ_i do so."""
     return 1 + flow.odd[0], 1 + flow.odd[1]
 
 
@@ -110,7 +110,7 @@ def resolved_samples(
     most: int,
     transform: Callable[[np.ndarray], np.ndarray] = spectrum,
 ) -> ResolvedSamples:
-    """The samples of F = ``function``. ``noise`` maps the largest Fourier coefficients of the parts, shape (m,), to the
+    """The samples of F = ``function``. ``noise`` maps the largest Fourier coefficients of the m parts of F to the
     fractions of them that count as rounding. PrecisionLoss where more than ``most`` samples are needed.
     """
     doubled = periods_of(flow)

@@ -1,4 +1,4 @@
-"""The branch points and the start from which the torus of a motion is made, in units of its own."""
+"""The branch points and the start from which the torus of a motion is made, in the :class:`Units` of the motion."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 
-# a quantity above this is counted in the unit 1; a smaller one in the largest power of two that does not exceed it
+# :func:`_near_power` gives a length or a lift above CLOSE the unit 1
 CLOSE = 2.0**-6
-# with the origin 0 a motion has enough digits if neighbouring branch points differ by more than the fraction APART of
-# the larger one, and |γ × M|² is more than APART·|M|²
+# a motion has enough digits in the coordinate x itself, without another origin, if neighbouring branch points differ by
+# more than the fraction APART of the larger one, and |γ × M|² is more than APART·|M|²
 APART = 2.0**-6
 # for numbers between 1/FAR and FAR the products that the set-up computes are in the range of floats
 FAR = 1e30
@@ -48,7 +48,7 @@ class Units(NamedTuple):
 
     @property
     def time(self) -> float:
-        """The value of Σ∫dξ/η over a path with Σ∫dx/y = 1."""
+        """The value of Σ∫dξ/η over a path with Σ∫dx/y = 1, (ξ, η) being the coordinates of this class."""
         return self.length * self.lift
 
     @staticmethod
@@ -72,13 +72,13 @@ class Units(NamedTuple):
 
 
 def _near_power(x: float) -> float:
-    """The power of two in which a length or a lift of size x is counted (CLOSE)."""
+    """The unit of a length or a lift of size x: 1 for x above CLOSE, otherwise the largest power of two up to x."""
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
 def motion_row(problem: Problem, setup: Setup, units: Units) -> tuple[Real, ...]:
     """The motion as :mod:`integrable.torus.theta_setup` takes it, in bare reals: the ends of both ovals, α1, α2, α3, ζ,
-    d' (called d there), π, r and origin/length, in the coordinates of :class:`Units`.
+    d', π, r and origin/length, in the coordinates of :class:`Units`, which defines d' (d in that module) and r.
 
     PrecisionLoss where the torus is not compact.
     """
@@ -124,8 +124,8 @@ def oval_ends(problem: Problem | RateCurve, near: Real) -> tuple[tuple[Real, Rea
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which the roots u1 and u2 of U move. Here α_i =
     a_i/max a and ζ = h1/(h2·max a).
 
-    PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line
-    on a compact torus of dimension two.
+    PrecisionLoss if the distance of the ovals is at most ``near``: next to a separatrix the motion is not a line on a
+    compact torus of dimension two.
     """
     low, middle, high = sorted(problem.axes[:3])
     first, second = (low, min(problem.ratio, middle)), (max(problem.ratio, middle), high)
@@ -152,7 +152,7 @@ class Beginning(NamedTuple):
 
 
 def beginning(setup: Setup, loops: Any) -> Beginning:
-    """The rows of a motion for ``loops``, computed in the bare reals of the set-up."""
+    """The :class:`Beginning` of a motion for ``loops``, computed in the bare reals of the set-up."""
     row = loops.row
     with setup.reals:
         problem = with_open_ovals(setup.bare, setup.reals.number(loops.closest))
@@ -164,8 +164,9 @@ def beginning(setup: Setup, loops: Any) -> Beginning:
 
 
 def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, motion: Row) -> bool:
-    """Fills a ``problem`` row and a ``motion`` row with the origin 0 from moments, d, γ and M (``given``). Returns
-    whether the numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
+    """Fills the rows ``problem`` (:func:`~integrable.moving_point.problem.problem_row`) and ``motion``
+    (:func:`motion_row` for :class:`Units` with the origin 0) from moments, d, γ and M (``given``). Returns whether the
+    numbers have enough digits: sizes near 1 and well-separated branch points. ``constants`` are π and 1.
     """
     x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
                         float(given[7]), float(given[8]), float(given[9]))  # fmt: skip

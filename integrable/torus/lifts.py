@@ -37,10 +37,11 @@ TOGETHER = 64
 
 
 class Torus(NamedTuple):
-    """The theta functions of a motion. The k-th of ``sums``, θ_k (class k), belongs to branch point k; if there is one
-    more than there are factors, the last is θ_∞.
+    """The theta functions of a motion. Series k of ``sums``, θ_k, belongs to branch point k. If ``sums`` has one series
+    more than there are ``factors``, its last is θ_∞.
 
-    ``places`` are the phases of the start in turns. σ at branch point k is ``factors[k]``·θ_k, before it is normalized.
+    ``places`` are the phases of the start in turns. σ at branch point k is ``factors[k]``·θ_k, times a factor that is
+    the same for all k.
     """
 
     sums: ThetaSums
@@ -49,8 +50,8 @@ class Torus(NamedTuple):
 
 
 def frame_at(torus: Torus, first: Real, second: Real) -> Row:
-    """(γ̃, w̃) of :mod:`integrable.torus.states` at phases in turns since the start. The phases must be below 2,
-    because larger ones would lose digits.
+    """(γ̃, w̃) of :mod:`integrable.torus.states` at the phases ``first`` and ``second``, in turns since the start. They
+    must be below 2, because larger ones would lose digits.
     """
     sums, places = torus.sums, torus.places
     one, two = circle((first + places[0]) / 2, sums.inverse), circle((second + places[1]) / 2, sums.inverse)
@@ -99,10 +100,10 @@ def lifts_at(torus: Torus, first: Real, second: Real, count: int, out: Row, plac
 
 
 class Limits(NamedTuple):
-    """Newton's method ends if no lift differs from that of the start by more than the fraction ``enough``. ``nudge`` is
-    the step of its difference quotients, in turns. If an oval is a double root, its two roots are moved slightly apart,
-    which adds to the lifts of the start. Lifts below the fraction ``smallest`` of the largest may consist of this
-    addition alone; ``smallest`` is 0 if no oval is a double root.
+    """Limits of Newton's method in :func:`met`. It ends if no lift differs from that of the start by more than the
+    fraction ``enough``. ``nudge`` is the step of its difference quotients, in turns. If an oval is a double root, its
+    two roots are moved slightly apart, which adds to the lifts of the start. Lifts below the fraction ``smallest`` of
+    the largest may consist of this addition alone; ``smallest`` is 0 if no oval is a double root.
     """
 
     enough: float
@@ -195,7 +196,7 @@ def newton_step(target: Row, weights: Row, nudge: float, room: Row) -> tuple[flo
     return gap + rest, nudge * (ar * bb - br * ab) / area, nudge * (aa * br - ab * ar) / area
 
 
-# --- a check
+# --- a check of the torus by the equations of motion
 
 
 def put_around(torus: Torus, frequencies: Row, room: Row) -> None:
@@ -242,9 +243,9 @@ def most_strayed(frequencies: Row, wide: int, lifts: Row, right: Row, out: Row) 
 
 
 class RateSums(NamedTuple):
-    """dt/dτ = s√q, or sq if not ``rooted``, with q = Σ a_n(f_nθ_n)²/Σ b_n(f_nθ_n)², a sum over two or three ``classes``
-    of theta functions from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞. ``numbers`` are a_n
-    and b_n of three classes, then s.
+    """dt/dτ = s√q, or sq if not ``rooted``, with q = Σ a_n(f_nθ_n)²/Σ b_n(f_nθ_n)². Both sums are over two or three
+    ``classes`` of theta functions, from the class ``first`` on. f_n are the factors of the torus, 1 for θ_∞.
+    ``numbers`` are a_n and b_n of three classes, then s.
 
     If the body is ``tilted``, the tilt term Σ c_i·w̃_iγ̃_jγ̃_k/√q for cyclic (i, j, k) is added, and ``numbers`` ends
     with the c_i.
@@ -296,8 +297,8 @@ def gridded(
 def put_harmonics(
     sums: ThetaSums, classes: tuple[int, int], angle: tuple[Real, Real], room: Row, place: int, rows: int
 ) -> None:
-    """Writes (cosine, sine) of the harmonics of φ₁ in each theta series to room[place …], 2·``rows`` numbers apart.
-    ``classes`` are the first class and how many there are; ``angle`` is (cosine, sine) of πφ₁.
+    """Writes a pair (cosine, sine) for each harmonic of φ₁ in each theta series to room[place …], one pair every
+    2·``rows`` numbers. ``classes`` are the first class and their number; ``angle`` is (cosine, sine) of πφ₁.
     """
     height, (c, s) = sums.sizes[1], angle
     twice, sine = c * c - s * s, 2 * c * s

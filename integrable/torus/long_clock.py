@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 # a Newton step whose slope is a float multiplies the error by about GAIN; after the first step, in floats, sums are
 # evaluated to FIRST_GOAL digits
 GAIN, FIRST_GOAL = 1e-13, 28
-# a mode is slow if |k·ν₁ + m·ν₂| is below RESONANT times |k·ν₁| + |m·ν₂|; a slope that takes slow modes as constant
-# over some periods has the relative error SLOW_GAIN
+# a mode is slow if |k·ν₁ + m·ν₂| is below RESONANT times |k·ν₁| + |m·ν₂|. Newton's method takes the slow modes of
+# dt/dτ at its start value of τ; such slopes have the relative error SLOW_GAIN
 RESONANT, SLOW_GAIN = 2.0**-20, 2.0**-16
-# steps in floats that no longer shrink, and are below this part of the oscillation of τ, are due to rounding
+# Newton steps in floats no longer help if they do not halve and are below this part of the oscillation of τ
 SETTLED = 1e-9
 
 
@@ -76,7 +76,7 @@ class LongClock:
         return total
 
     def _start(self, t: Real) -> Real:
-        """The τ at which the mean rate and the slow modes alone give t. Their sum increases with τ."""
+        """The τ at which mean·τ plus the contribution of the slow modes is t. This sum increases with τ."""
         x = t / self.mean
         if not self._slow or not t:
             return x
@@ -95,7 +95,7 @@ class LongClock:
 
     def _shifts(self, starts: list[Real]) -> list[Real]:
         """The oscillations s of τ about ``starts``: the solutions of mean·s + S(θ + νs) = 0 by Newton's method, in
-        floats first. S is the series of t, θ are the phases of a start, ν the frequencies; mean includes slow modes.
+        floats first. S is the series of t, θ are the phases of a start, ν the frequencies; mean includes the slow rate.
         """
         angles = [phases(start, self.frequencies, self.wide) for start in starts]
         rough = np.array(angles, dtype=float).reshape(-1, 2)

@@ -34,7 +34,7 @@ BEYOND = "periods beyond the range of floats; use more digits"
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 
 
-# the arguments of interpreted loops, by index, that are arrays of floats and are read only: they are passed as lists
+# for each interpreted loop, which of its arguments are passed as lists: the arrays of floats that it only reads
 READ = {
     "phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "states_at_phases": (1,), "states_at_tau": (2,),
     "states_at_times": (2,), "times_at_tau": (1,),
@@ -49,7 +49,7 @@ class ReadableLoops:
     def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
         self.reals = setup.reals
         bits = self.reals.bits
-        # the iterations for periods converge quadratically: they end at ovals, or differences of means, of this size
+        # iterations for periods converge quadratically and end when an oval or a difference of means is below ``short``
         self.short = float(setup.wide.eps) ** 0.5 / 16
         # the size of rounding errors in 1/g, at which its Fourier series ends
         self.noise = 10.0**-digits
@@ -69,11 +69,11 @@ class ReadableLoops:
         return list(self.reals.row(values))
 
     def integers(self, values: Iterable[int]) -> Row:
-        """A row of integers."""
+        """The integers as loops take them: a list if interpreted, an array if compiled."""
         return list(values)
 
     def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
-        """The spectrum of :func:`integrable.torus.clock_modes.spectrum_of_samples`, and the sizes that it returns."""
+        """The spectrum that :func:`integrable.torus.clock_modes.spectrum_of_samples` writes, and its result."""
         (rows, columns), size = samples.shape, max(samples.shape)
         rooms, room = [self.room((rows + 2) * columns) for _ in range(3)], [0.0] * (rows // 2 + columns // 2 + 2)
         with self.reals:

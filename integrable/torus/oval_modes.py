@@ -7,7 +7,7 @@ The phases of a divisor are the sums of the phases of its two points, the invari
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
 P over the first oval and Q over the second. 1/g of a tilted body has one more term, the *tilt term*, a multiple of the
-next sum. It is treated alike: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
+next sum. Its coefficients are such determinants too: with A(u) = Π(α_i − u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
@@ -40,8 +40,8 @@ MOST_WORK = 1 << 26
 # times the number that the decay of the first suggests. The nodes of the first tables suffice for HELD more digits,
 # because aliasing would hide the decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps, wherever |σ₁σ₂σ₃| is largest: at one
-# of these points a σ may be too small to have a sign
+# the sign of σ₁σ₂σ₃ is read at the start, or after 1, 2, …, STEPS − 1 basic steps (Setup.step_length), wherever
+# |σ₁σ₂σ₃| is largest: at one of these points a σ may be too small to have a sign
 STEPS = 4
 
 
@@ -64,7 +64,7 @@ class Modes(NamedTuple):
 
 
 class TooManyModes(PrecisionLoss):
-    """Raised when tables with this many modes would take ``work`` or more multiplications, beyond the limit."""
+    """Raised when tables with ``size`` modes would take at least ``work`` multiplications, more than the limit."""
 
     def __init__(self, size: tuple[int, int], work: int) -> None:
         super().__init__(
@@ -116,9 +116,10 @@ class FoundModes(NamedTuple):
     leaning: Table | None
 
     def wanted(self, digits: int, held: int) -> tuple[int, int]:
-        """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean: ``size`` if
-        its last modes are that small. The rate of decay is measured where modes exceed 10^(−``held``). PrecisionLoss
-        where the last modes are only rounding errors, so that further modes would be no smaller.
+        """The numbers of modes in both directions beyond which modes are below 10^(−digits) of the mean. In a direction
+        in which the last modes of the tables are that small, the number is that of ``size``. The rate of decay is
+        measured where modes exceed 10^(−``held``). PrecisionLoss where the last modes are only rounding errors, so that
+        further modes would be no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
@@ -212,7 +213,9 @@ class OvalTorus:
         return (first * b1 - second * b0) / self.area, (second * a0 - first * a1) / self.area
 
     def _place(self) -> None:
-        """The phases of the start, the constant of 1/g, and the sign of σ₁σ₂σ₃ where the phases vanish."""
+        """Sets ``start``, the phases of the start; ``constant``, the factor constant/(area of the lattice) of the
+        module's formula; and the sign of σ₁σ₂σ₃ at the phases 0.
+        """
         setup, axes = self._setup, self.axes
         count = 1 if axes[7].mid() == 0 else STEPS
         points = [[self.ball(x) for x in setup.problem.start]]
@@ -247,7 +250,7 @@ class OvalTorus:
         self._sign = signs[0] * signs[1] * (-1 if sigma[0] * sigma[1] * sigma[2] < 0 else 1)
 
     def use(self, size: tuple[int, int], most_work: float) -> None:
-        """Makes tables for this many modes, with enough nodes for the highest of them."""
+        """Makes tables for ``size`` modes, with enough nodes for the highest; TooManyModes beyond ``most_work``."""
         if size == self._size:
             return
         for oval in self.ovals:
@@ -294,7 +297,7 @@ class OvalTorus:
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), 1)
 
     def modes(self, upright: Table, leaning: Table | None, size: tuple[int, int]) -> Modes:
-        """The modes of 1/g, with phases from the start and in turns of the periods of 1/g."""
+        """The modes of 1/g from tables of its coefficients; phases count from the start, in turns of its periods."""
         acb, wide, balls = self.flint.acb, self._setup.wide, self._balls
         doubled = (1, 1) if leaning is None else ((2, 1) if self.low else (1, 2))
         one, other = (acb((2 * x / n).cos_pi(), (2 * x / n).sin_pi()) for x, n in zip(self.start, doubled, strict=True))

@@ -1,6 +1,6 @@
 """One oval of a motion's curve as a circle of nodes: its periods, and integrals of functions times Fourier modes.
 
-:mod:`integrable.torus.oval_modes` uses the ovals and defines R. Numbers are python-flint's balls.
+:mod:`integrable.torus.oval_modes` uses the ovals and defines the root R in some integrands. Numbers are flint's balls.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from flint import acb, arb
 
-# −NOTHING is the decimal exponent of 0
+# −NOTHING stands for the decimal exponent of 0
 NOTHING = 1e9
 # the n-th harmonic of an integrand is about e^(−decay·n); a larger decay is replaced by this one: few nodes suffice
 LARGEST_DECAY = 40.0
@@ -45,7 +45,7 @@ class Part(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of an oval: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y, and (∫dx/y, ∫x dx/y)."""
+    """A point of an oval [a, b]: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y; (∫dx/y, ∫x dx/y) from a to u."""
 
     u: arb
     below: arb
@@ -209,8 +209,8 @@ class Oval:
 
     @property
     def _at_end(self) -> bool:
-        """Whether the root R of :mod:`integrable.torus.oval_modes` vanishes at the end b only. So it does on a second
-        oval that begins at ζ and not at an α_i.
+        """Whether the root R of :mod:`integrable.torus.oval_modes` vanishes at the end b only, as on a second oval
+        that begins at ζ and not at an α_i.
         """
         return not (self._first or self._low)
 

@@ -80,7 +80,8 @@ def pair_between(ends: Row, sides: Row, lifts: Row, place: int) -> tuple[Real, R
 
 
 def pairs_at(torus: PairTorus, phases: Row, room: Row, out: Row) -> None:
-    """Writes the lifts that are results, then u₀, u₁, v₀ and v₁, for each pair of phases in turns from the start.
+    """Writes, for each pair of phases in turns from the start, σ and ν of the first lifts, as many as ``torus.sizes``
+    has factors for, then u₀, u₁, v₀ and v₁.
 
     ``out`` has a row of all points for each of these numbers. ``room`` is memory for the lifts.
     """
@@ -112,11 +113,8 @@ def with_root(pole: Real, p: Real, s: Real, y: Real, slope: Real) -> tuple[Real,
     return pole * pole - a * pole + b, a - 2 * pole, y - slope * pole, slope
 
 
-# --- a check
-
-
 def lifts_strayed(torus: PairTorus, room: Row, out: Row) -> None:
-    """Compares the pairs with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
+    """Compares derivatives of the lifts with the equations of motion by :func:`integrable.torus.lifts.most_strayed`."""
     count = len(torus.ends)
     wide, right = 2 * count, room[2 * count * AROUND * CHECKED :]
     put_around(torus.torus, torus.frequencies, room)
@@ -159,7 +157,7 @@ def mean_square(torus: PairTorus, k: int, along: Row, beyond: Row, out: Row) -> 
 
 
 def curvature(sums: ThetaSums, phases: Row, one: Row, two: Row) -> Real:
-    """The second derivative of log θ_∞ along two directions, given as turns of both phases."""
+    """The second derivative of log θ_∞ (:mod:`integrable.torus.lifts`) along two directions, in turns of the phases."""
     k, (_, rows, columns) = sums.sizes[0] - 1, sums.sizes
     half, zero = sums.inverse[0] / 2, 0 * phases[0]
     value, d_one, d_two, bend = zero, zero, zero, zero

@@ -25,8 +25,8 @@ from jacobian.numbers.long_reals import BareReals
 
 # one value in this many, and at least two values, are computed again with all digits
 ONE_IN = 25
-# the decrease of the Legendre coefficients of 1/g is measured with SCOUT_NODES nodes, on a basic step or on a longer
-# panel, up to the last coefficient that exceeds LEAST_SEEN
+# the decrease of the Legendre coefficients of 1/g, up to the last one that exceeds LEAST_SEEN, is measured with as many
+# nodes as SCOUT_NODES says: first for a basic step (Setup.step_length), then for a longer panel
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
 # if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
@@ -36,7 +36,7 @@ SAMPLES = range(0, 512, 61)
 
 
 def rates_after(f: Row, axes: Row, point: Row, steps: Row, out: Row) -> None:
-    """Writes 1/g at a point moved by each translation of ``steps``, ten numbers each."""
+    """Writes to ``out`` 1/g at the point moved by each of the translations in ``steps``, which are ten numbers each."""
     near = moving_point(point)
     for n in abreast(0, len(out)):
         out[n] = rate_after(f, axes, near, moving_point(steps, 10 * n))
@@ -97,7 +97,9 @@ class Scouts:
         self._rules: dict[int, tuple[LegendreSeries, list[Row]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """The least number of digits gained per Legendre coefficient of 1/g on panels of ``length`` basic steps."""
+        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease, on the worst of
+        some panels of ``length`` steps (Setup.step_length); ``sign`` is the direction of time.
+        """
         if (sign, length) not in self._found:
             sizes = self._sizes(sign, length)
             most = max(sizes[1:])
@@ -120,7 +122,7 @@ class Scouts:
         return sizes
 
     def _rule(self, length: int) -> tuple[LegendreSeries, list[Row]]:
-        """The Legendre series on a panel of ``length`` basic steps, and the translations to the panel's nodes."""
+        """The Legendre series on a panel of ``length`` steps (Setup.step_length), and the translations to its nodes."""
         if length not in self._rules:
             problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
             translations = Translations(reals, problem.f, problem.axes, problem.half_step)

@@ -19,7 +19,7 @@ TOLERANCE = 2e-15
 # on motions with fast passages, the rounding errors of the states are at most this, relative to the largest of their
 # column
 NOISE = 1e-13
-# a length is tried on PROBES panels, first LONGEST times the least one; a panel is halved at most MOST_HALVINGS times
+# panel_length tries lengths from LONGEST·least on, on PROBES panels each; a panel is halved at most MOST_HALVINGS times
 PROBES, LONGEST = 8, 1024
 MOST_HALVINGS = 12
 # if the last coefficients are below ROUGH times the largest of their column but do not decrease, they may be rounding
@@ -97,9 +97,7 @@ def panel_length(states: States, least: float) -> float:
 
 
 def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """The Chebyshev coefficients of ``states`` on panels with these middles and half-lengths, shape (panels, NODES,
-    width).
-    """
+    """The Chebyshev coefficients of ``states`` on panels of these middles and half-lengths, (panels, NODES, width)."""
     nodes, matrix, slopes = _rule()
     offsets = half[:, None] * nodes
     times = middle[:, None] + offsets

@@ -22,10 +22,11 @@ if TYPE_CHECKING:
 
 # the number of phases at which a long series is summed at once
 TOGETHER = 256
-# products of matrices have up to ONE_THREAD multiplications: above that NumPy uses several threads, which wait in busy
-# loops. Where this allows fewer than FEWEST phases at a time, all are summed at once, as large tables are slow to read
+# sums at several phases are products of matrices of up to ONE_THREAD multiplications: for more, NumPy uses several
+# threads, which wait in busy loops. If a product would have fewer than FEWEST phases, one product takes all phases, as
+# large tables are slow to read
 ONE_THREAD, FEWEST = 1 << 15, 4
-# in floats smaller modes may underflow
+# modes below TINY may underflow in floats
 TINY = 1e-290
 # the size up to which transforms of long numbers are direct sums
 SHORT = 8
@@ -59,7 +60,7 @@ class TorusSeries:
         self._swing[kept] = self._slope[kept] / (2j * pi * turns[kept])
         kept &= sizes > noise * largest
         self._swing[~kept] = 0
-        # S + origin has mean 0
+        # S, which is 0 at the phases (0, 0), has the mean −origin
         self.origin = float(self._swing[kept].real.sum())
         self.bound = float(np.abs(self._swing).sum()) + abs(self.origin)
 
@@ -124,8 +125,8 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
 
 
 class SeriesLevel(NamedTuple):
-    """The modes of a :class:`LongSeries` needed for a number of digits. ``modes`` are the large ones in balls of
-    ``bits``, from the row 0 and the column ``first`` on; ``tail`` are those for which floats suffice.
+    """The modes of a :class:`LongSeries` needed for a number of digits. ``modes`` is the block of the large modes
+    (k, m), k ≥ 0 and m ≥ ``first``, in balls of ``bits`` bits. ``tail`` has the modes for which floats suffice.
     """
 
     first: int
@@ -138,8 +139,8 @@ class LongSeries:
     """The function S of a :class:`TorusSeries` in many digits, at many points at once; ``rough`` is the series in
     floats.
 
-    ``rows[k]`` are the modes of its F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
-    ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
+    ``rows[k]`` are the modes of the function F of the TorusSeries for k ≥ 0 and m = −most, …, most, in flint's balls.
+    Modes below ``noise`` times the largest are left out. ``field`` is the MP field of the frequencies.
     """
 
     def __init__(
@@ -172,7 +173,7 @@ class LongSeries:
                 for k, row in enumerate(rows)
             ]
             self._origin = sum((c.real for row in self._modes for c in row), flint.arb(0))
-            # S + origin has mean 0
+            # S, which is 0 at the phases (0, 0), has the mean −origin
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Real, Real]], digits: int | None = None) -> list[Real]:
@@ -195,8 +196,8 @@ class LongSeries:
         return found
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for this many digits: small ones are dropped, or left to floats, while their total error stays a
-        fraction of the noise.
+        """The modes for this many digits, None for all. The smallest modes are left to floats, and with ``digits``
+        some are dropped, as long as the total error is at most half a unit of the last digit.
         """
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits
@@ -294,7 +295,7 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
 
 
 def needed_size(modes: np.ndarray, noise: float) -> int:
-    """:func:`needed_sizes` in one direction, from the largest mode of each row, relative to the largest of all."""
+    """An entry of :func:`needed_sizes`; ``modes``: the largest mode of each row or column, relative to the largest."""
     half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     return size_wanted(folded.tolist(), len(modes), noise)

@@ -78,9 +78,6 @@ def phases_at(rates: Row, tau: Row, out: Row) -> None:
         out[2 * i], out[2 * i + 1] = first + turn1 % 2, second + turn2 % 2
 
 
-# --- a check
-
-
 def strayed(body: BodyStates, motion: Row, frequencies: Row, room: Row, out: Row) -> None:
     """Compares the states with the equations of motion by :func:`integrable.torus.lifts.most_strayed`. ``motion`` is a
     :func:`integrable.torus.lattice.motion_row`, ``frequencies`` are turns of the phases per unit of its time.

@@ -1,8 +1,8 @@
 """Theta functions of genus 2 on a real torus, as real Fourier series, compiled.
 
 With the period matrix τ and the characteristic η = (ε, δ), θ[η](z) = Σ e^(πi nτn + 2πi n(z + ½δ)), n in Z² + ½ε. On
-the torus z = φ + τq with real φ and half-integral q it is the series at φ with ε + 2q for ε, times a factor that
-cancels in quotients. That series is real up to a constant factor. Its terms of n and −n are combined.
+the torus z = φ + τq, with real φ and half-integral q, θ[η](z) is the series at φ with ε + 2q in place of ε, times a
+factor that cancels in quotients. That series is real up to a constant factor. Its terms of n and −n are combined.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ThetaSums(NamedTuple):
     ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, one after the other. Rows are a = ε₁, ε₁
     + 2, …, columns b = ε₂, ε₂ + 2, …. An entry holds w₊ + w₋ and w₊ − w₋ for the coefficients w± of n = (a, ±b)/2,
     first of θ, then of its derivative along a direction. Entries after the first ``lengths`` columns of a row are
-    negligible. ``chars`` are ε₁, ε₂, δ₁, δ₂ of each class. ``inverse`` is that of :func:`circle`.
+    negligible. ``chars`` are ε₁, ε₂, δ₁, δ₂ of each class. ``inverse``: see :func:`circle`.
     """
 
     table: Row
@@ -47,7 +47,7 @@ class ThetaSums(NamedTuple):
 def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
     """θ of class k and its derivative, from (cosine, sine) of πφ₁ and of πφ₂."""
     (c1, s1), rows, zero = first, sums.sizes[1], 0 * first[0]
-    # (a, b) is (cos, sin) of πaφ₁ for the rows a = ε₁, ε₁ + 2, …
+    # (a, b) is (cos, sin) of πnφ₁ for the rows n = ε₁, ε₁ + 2, …
     ca, sa = c1 * c1 - s1 * s1, 2 * c1 * s1
     a, b = 1 + zero, zero
     if sums.chars[4 * k] > 0:
@@ -65,8 +65,8 @@ def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real,
 
 
 def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tuple[Real, Real, Real, Real]:
-    """The coefficients of cos πaφ₁ and of sin πaφ₁ in row a of θ_k, the i-th row, then those of its derivative; from
-    (cosine, sine) of πφ₂.
+    """The coefficients of cos πaφ₁ and of sin πaφ₁, a = ε₁ + 2i, in θ of class k, then those in its derivative. They
+    are summed from row i of the table; ``second`` is (cosine, sine) of πφ₂.
     """
     (c2, s2), table = second, sums.table
     _, rows, columns = sums.sizes
@@ -107,7 +107,7 @@ class Lattice(NamedTuple):
 
 
 def exponential(x: Real, inverse: Row) -> Real:
-    """e^x, from its series at x/2^n below ½; ``inverse`` is that of :func:`circle`."""
+    """e^x, from its series at x/2^n below ½; ``inverse`` is the result of :func:`circle_numbers`."""
     halvings = 0
     while abs(float(x)) >= 0.5:
         x, halvings = x / 2, halvings + 1
@@ -140,7 +140,7 @@ def theta_weights(
         sums.table[n] = zero
     for k in range(classes):
         e1, e2 = sums.chars[4 * k], sums.chars[4 * k + 1]
-        # Y is reduced: the largest term is one with the least |a| and |m|
+        # Y = Im τ is a reduced form, so the largest e^(−πnYn), n = (a, m)/2, has the least |a| and |m|
         top, phase = term(lattice, e1, e2), sixteenths(lattice.turns, e1, e2)
         other = term(lattice, e1, -e2)
         if other > top:
@@ -156,8 +156,8 @@ def theta_weights(
 
 
 def put_row(lattice: Lattice, sums: ThetaSums, place: tuple[int, int], side: int, top: Real, phase: int) -> bool:
-    """Adds the coefficients of n = (a, ±b)/2, with + on ``side`` 0 and − on ``side`` 1, to row i of class k, where
-    (k, i) = ``place``.
+    """Adds the terms of the theta series of class k with n = (a, ±b)/2, for the a of row i and all b, to this row of
+    the tables; (k, i) = ``place``. The sign is + on ``side`` 0 and − on ``side`` 1.
 
     ``top`` and ``phase`` are the size and the phase of the largest term. Returns whether all terms are real multiples
     of it.
@@ -217,7 +217,7 @@ def raised(x: Real, n: int) -> Real:
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """The pair (cos, sin) of an angle given in turns; ``inverse`` is that of :func:`circle_numbers`."""
+    """The pair (cos, sin) of an angle given in turns; ``inverse`` is the result of :func:`circle_numbers`."""
     whole = turns - float(floor(float(turns) + 0.5))
     quarters = floor(4 * float(whole) + 0.5)
     y = (whole - quarters / 4) * inverse[0]
@@ -235,7 +235,7 @@ def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
 
 
 def circle_points(angles: Row, inverse: Row, cosines: Row, sines: Row) -> None:
-    """Writes :func:`circle` of angles given in floats, in radians."""
+    """Writes the ``cosines`` and ``sines`` of ``angles``, floats in radians, by :func:`circle`."""
     for i in abreast(0, len(angles)):
         cosines[i], sines[i] = circle(angles[i] / inverse[0], inverse)
 
@@ -267,7 +267,7 @@ def circle_numbers(reals: BareReals, summed: int) -> list[Real]:
 
 @cache
 def inverse_factorials() -> Row:
-    """:func:`circle_numbers` in double-doubles."""
+    """2π and the 1/n! of :func:`circle_numbers`, in double-doubles."""
     return double_double_row(circle_numbers(BareReals(BITS), SUMMED))
 
 

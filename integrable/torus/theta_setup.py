@@ -21,8 +21,8 @@ from integrable.phase.coordinates import gamma_and_w
 from integrable.torus.lifts import Limits, Torus, met
 from jacobian.numbers.roots import root
 
-# positions in the row that :func:`torus_periods` fills: two periods, the turns of both phases per unit of the flow's
-# time, the shape of the theta functions (Y and the turns of both phases along (0, 1)) and the mean of 1/g
+# positions in the row of FOUND numbers that :func:`torus_periods` fills: two periods (four numbers), the turns of both
+# phases per unit of τ, the shape of the theta functions (Y and the turns of both phases along (0, 1)), the mean of 1/g
 FREQUENCIES, IMAGINARY, ALONG, MEAN, FOUND = 4, 6, 9, 11, 12
 # the characteristics (ε₁, ε₂, δ₁, δ₂) of e₁, e₂, e₃, e₄, the fifth branch point and infinity, in the basis a₁, a₂ − a₁,
 # where a₁ and a₂ are the ovals
@@ -53,14 +53,14 @@ def gap_periods(motion: Row, pi: Real, near: float, out: Row) -> None:
         out[1] = rest + middle * out[0]
         out[2], out[3] = 0 * k, 0 * k
         return
-    # c is no farther from the second branch point than the fourth is
+    # ``after`` is e₂ − c: half the first oval, or e₄ − e₂ if that is less
     after = (e2 - e1) / 2
     if float(e4 - e2) < float(after):
         after = e4 - e2
     before, d3, d4, c = (e2 - e1) - after, (e3 - e2) + after, (e4 - e2) + after, e2 - after
     last, one = r - d * c, 1 + 0 * d
     x1, x2, x3, x4, x5 = after / before, -one, -(after / d3), -(after / d4), -(d * after / last)
-    # X(e₁) − X at e₂, e₃, e₄ and at the root of r − dx
+    # x1 … x5 are X(x) = after/(c − x) at e₁, …, e₄ and at the root of r − dx; at2 … at5 are x1 − x2, …, x1 − x5
     at2, at3, at4 = (e2 - e1) / before, after * (e3 - e1) / (before * d3), after * (e4 - e1) / (before * d4)
     at5 = after * (r - d * e1) / (before * last)
     values = -(x2 * at2), -(x3 * at3), -(x4 * at4), -(x5 * at5)
@@ -76,7 +76,7 @@ def torus_periods(motion: Row, near: float, room: Row, out: Row) -> tuple[int, i
     """Fills ``out``; returns the basis Λ₁, Λ₂ as integer rows (m₁, n₁), (m₂, n₂) in the periods of the two ovals.
 
     ``out`` gets Λ₁, Λ₂ (four numbers), the turns ν₁, ν₂ of both phases per unit of the flow's time, the entries Y₁₁,
-    Y₁₂, Y₂₂ of Y, the turns of both phases along (0, 1), and
+    Y₁₂, Y₂₂ of Y, the turns of both phases over a path with (Σ∫dx/y, Σ∫x dx/y) = (0, 1), and
     :func:`integrable.moving_point.elliptic_integrals.mean_slowness`. If d = 0, Y₁₁ is infinite and 0 is written.
     """
     ends, d, pi, r = (motion[0], motion[1], motion[2], motion[3]), motion[8], motion[9], motion[10]
@@ -120,7 +120,7 @@ def rule_of_phases() -> np.ndarray:
 
 def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float, float]:
     """The phases of the start in floats, in turns: the integrals of (dx/y, x dx/y) from e₁ and e₃ to the points of the
-    divisor, in units of the periods ``found``. ``rule`` is that of :func:`rule_of_phases`.
+    divisor, in units of the periods ``found``. ``rule`` is the result of :func:`rule_of_phases`.
     """
     u0, u1, v0, v1 = start[0], start[1], start[2], start[3]
     square = u1 * u1 / 4 - u0
@@ -160,8 +160,8 @@ def rough_phases(motion: Row, start: Row, found: Row, rule: Row) -> tuple[float,
 def placed(
     torus: Torus, motion: Row, point: Row, found: Row, scales: Row, rule: Row, limits: Limits, room: Row
 ) -> float:
-    """Sets the factors to the C_i of :mod:`integrable.torus.states` and the phases to those of the moving ``point``, by
-    :func:`integrable.torus.lifts.met`, and returns its result.
+    """Sets the factors to the C_i of :mod:`integrable.torus.states`, and the phases to those of the moving ``point`` by
+    :func:`integrable.torus.lifts.met`. Returns the result of ``met``.
 
     ``motion`` is a :func:`integrable.torus.lattice.motion_row`, ``found`` the result of :func:`torus_periods`;
     ``scales`` are the numbers by which theta functions are divided; ``rule`` is for :func:`rough_phases`.
@@ -189,11 +189,12 @@ def surveyed_rates(
 ) -> None:
     """Writes the ``matrix`` of :class:`~integrable.torus.states.BodyStates`; the ``rates`` of
     :class:`~integrable.torus.clock.TorusClock`, in the user's units; and to ``out`` the numbers of the
-    :class:`~integrable.torus.lifts.RateSums`: a_i = r − dα_i, b_i = 1, s = α·lift, and c_i = β(α_k − α_j)/lift².
+    :class:`~integrable.torus.lifts.RateSums`: a_i = r − d'α_i, b_i = 1, s = α·lift, and c_i = β(α_k − α_j)/lift².
 
     ``problem`` is a :func:`~integrable.moving_point.problem.problem_row`, ``found`` the result of
     :func:`torus_periods`, ``motion`` a :func:`integrable.torus.lattice.motion_row`; ``tilt`` are α and β of
-    :func:`integrable.moving_point.addition.rate_at`, ``units`` the length and the lift of the motion's units.
+    :func:`integrable.moving_point.addition.rate_at`, ``units`` the length and the lift of
+    :class:`integrable.torus.lattice.Units`, which defines r and d'.
     """
     (length, lift), d = units, motion[8]
     scale = problem[TIME_SCALE] * (length * lift)

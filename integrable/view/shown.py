@@ -35,7 +35,7 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
 
     ``turning`` has the body's axes in space, nine numbers a frame; ``missing`` gives the reasons for absent data.
     ``until`` is the last time, by default that of the scene or of TURNS turns, whichever is less. There are ``frames``
-    equally spaced times, or the first ``frames`` states of an orbit. ArgumentError over finite fields, without a body.
+    equally spaced times, or the first ``frames`` states of an orbit. ArgumentError over finite fields or without body.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
     frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)

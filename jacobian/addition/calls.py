@@ -45,9 +45,7 @@ def two_word_context(K: Any) -> TwoWords | BinaryContext:
 
 @cache
 def library(context: type, model: type) -> Library:
-    """The compiled loops for a class of contexts and a class of equations; ``Plain`` stands for Cantor's algorithm
-    alone.
-    """
+    """The compiled loops for classes of contexts and of equations; ``Plain`` stands for Cantor's algorithm alone."""
     short = context in (Wide64, BinaryTable, OddTable)
     item = INT if short else LONG
     head = CONTEXTS[context], record(model, *[item] * len(model._fields))  # type: ignore[attr-defined]
@@ -178,7 +176,7 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel | ExplicitKernel:
 
 
 def is_kept(C: HyperellipticCurve, two_words: bool) -> bool:
-    """Whether the compiled loops for C are on disk; ``two_words`` selects :func:`two_word_context`."""
+    """Whether the compiled loops for C are on disk, those of :func:`two_word_context` if ``two_words``."""
     K: Any = (two_word_context if two_words else context)(C.field)
     equation: Any = short_equation(C, K.to_word) or Plain()
     return library(K.__class__, equation.__class__).is_kept()

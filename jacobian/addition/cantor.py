@@ -61,7 +61,7 @@ def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: P
 def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
     """The d and k of :func:`compose`, if gcd(u₁, u₂) is not 1.
 
-    The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) as ``k``, and the second divisor (u₂, v₂).
+    The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) with su₂ ≡ d mod u₁ as ``k``, and (u₂, v₂).
     """
     K = C.field
     common, t = half_xgcd(K, d, trace)
@@ -137,9 +137,9 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
     """Another triple of the class of (u, v, n): u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
-    Its points are the opposites of the zeros of y − v outside div(u, v). Let a₊ and a₋ be the orders of the poles of
-    y − v at ∞₊ and ∞₋. Then div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. An order is max(deg v, g+1)
-    unless v and y agree in their leading terms at this point; then it follows from a₊ + a₋ = deg u + deg u'.
+    The points of div(u', v') are the opposites of the zeros of y − v outside div(u, v). Let a₊ and a₋ be the orders of
+    the poles of y − v at ∞₊ and ∞₋. Then div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. An order is
+    max(deg v, g+1) unless v and y have the same leading term there; then it follows from a₊ + a₋ = deg u + deg u'.
     """
     K = C.field
     sum_ = add(K, v, C.h)

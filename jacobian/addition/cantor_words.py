@@ -68,7 +68,7 @@ def _sum(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
 
 
 def _difference(K: Any, r: Any, a: Any, na: Any, b: Any, nb: Any) -> Any:
-    """a − b; r may be a or b."""
+    """Writes a − b to r, which may be a or b, and returns its length."""
     both = min(na, nb)
     for i in range(both):
         r[i] = K.canonical(K.sub(a[i], b[i]))

@@ -41,7 +41,7 @@ def double_of(K: Any, C: Any, first: Any) -> Any:
 
 
 def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any:
-    """Finishes :func:`sum_of` or :func:`double_of` from the result of ``chord`` or ``tangent``."""
+    """The result of :func:`sum_of` or :func:`double_of`, from the quotient that ``chord`` or ``tangent`` returned."""
     multiple = K.canonical(STEPS[type(C)].product(K, C, quotient))
     if multiple == 0:
         return False, first
@@ -49,8 +49,8 @@ def from_quotient(K: Any, C: Any, quotient: Any, first: Any, second: Any) -> Any
 
 
 def returned(K: Any, C: Any, general: Any, found: Any) -> Any:
-    """Returns (u, v, valid): the class ``found``, with u and v as residues, and whether it is correct and v has degree
-    g − 1. ``general``: whether the formulas applied.
+    """Returns (u, v, valid): u and v are the class ``found`` as residues; ``valid`` says whether the formulas applied
+    (``general``) and v has degree g − 1.
     """
     u, v = STEPS[type(C)].decoded(K, C, found)
     return u, v, general and v[len(v) - 1] != 0
@@ -131,7 +131,7 @@ def plus(K: Any, C: Any, curve: Any, S: Any, a: Any, b: Any, result: Any) -> Non
 
 
 def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
-    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm; the two may be one array."""
+    """result = a + a by explicit formulas where they apply, else by Cantor's algorithm; ``result`` may be a."""
     g = curve[0]
     if C.genus > 0:  # noqa: SIM102  # known at compile time: the steps below are not compiled for Plain
         if a[0] == g + 1:
@@ -143,7 +143,7 @@ def twice(K: Any, C: Any, curve: Any, S: Any, a: Any, result: Any) -> None:
 
 
 def put(K: Any, g: Any, found: Any, result: Any) -> None:
-    """Writes the class ``found``, a tuple of words of weight g (so that n = 0), to ``result``, an array as in
+    """Writes ``found``, the words of a class with deg u = g and n = 0, to ``result``, an array as in
     :mod:`jacobian.addition.cantor_words`.
     """
     place = g + 2
@@ -180,7 +180,7 @@ def leave(K: Any, g: Any, a: Any, data: Any) -> None:
 
 
 def sum_in_place(K: Any, C: Any, curve: Any, S: Any, data: Any) -> None:
-    """Replaces two classes in ``data`` by their sum; S has ROWS rows."""
+    """Replaces two classes in ``data`` by their sum; S is working memory of ROWS rows."""
     g, total, other = curve[0], S[TOTAL], S[OTHER]
     enter(K, g, data, 3, enter(K, g, data, 0, 6, total), other)
     cantor_words.add_classes(K, curve, S, total, other, total)

@@ -23,7 +23,7 @@ Written = tuple[str, int]
 
 
 class OnInts:
-    """The style of code for ints modulo p."""
+    """How generated code computes with ints modulo p."""
 
     needs = ("p",)
     zero, one = "0", "1"
@@ -45,8 +45,8 @@ class OnInts:
         return f"{text(x, SUM)} {SIGNS[name]} {text(y, SUM if name == 'add' else PRODUCT)}", SUM
 
     def factor(self, index: int, found: Written, result: bool) -> Written:
-        """The text ``found`` for use as a factor or a ``result``. It gets a % p, except as a factor in which no product
-        is left unreduced (degree 1).
+        """The text ``found`` for use as a factor, or as a result if ``result``. "% p" is appended to all texts but
+        those of factors of degree 1, which contain no unreduced product.
         """
         if self.degrees.get(index, 1) == 1 and not result:
             return found
@@ -64,7 +64,7 @@ class OnInts:
 
 
 class OnElements:
-    """The style of code for elements of a field."""
+    """How generated code computes with elements of a field."""
 
     needs = ("add", "sub", "mul", "neg", "inv", "zero", "one")
     zero, one = "zero", "one"
@@ -82,7 +82,7 @@ class OnElements:
         return f"inv({x})"
 
     def reading(self, g: int, x: str, names: tuple[str, str], otherwise: str) -> list[str]:
-        """The lines that read a class, and run ``otherwise`` unless u has degree g."""
+        """The lines of code that read a class, and run ``otherwise`` unless u has degree g."""
         a, b = (_listed(name, g) for name in names)
         full = f"v{x} if len(v{x}) == {g} else (*v{x}, {', '.join(['zero'] * g)})[:{g}]"
         return [f"if len(u{x}) != {g + 1}:", f"    {otherwise}", f"({a}, _), ({b}) = u{x}, {full}"]
@@ -128,7 +128,7 @@ def lines_of(tape: Tape, results: dict[int, str], style: OnInts | OnElements, ot
 def _function(
     formulas: Formulas, known: dict[str, int], style: OnInts | OnElements, name: str, given: str
 ) -> list[str]:
-    """The lines that add two triples if ``given`` is "ab", or double one if it is "a"."""
+    """The lines of code that add two triples if ``given`` is "ab", or double one if it is "a"."""
     g, names = formulas.genus, (("a", "b"), ("c", "d"))[: len(given)]
     tape = Tape(known["characteristic"] == 2, style.karatsuba)
     C = formulas.equation(known, tape)
@@ -152,8 +152,8 @@ def text_of(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) 
     """The text of a function ``made``, which returns two functions (sum_of, double) of one curve. Both are methods:
     their first parameter is ``self``.
 
-    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The arguments of ``made`` are the
-    curve, the weight of the results, what the style needs, and the other coefficients.
+    ``known`` has the coefficients that are 0 or 1, and the characteristic if it is 2. The parameters of ``made`` are
+    the curve, the weight of the results, those in ``style.needs``, and the other coefficients.
     """
     table = {"characteristic": 0, **dict(known)}
     unknown = [name for name in formulas.coefficients if name not in table]

@@ -3,7 +3,7 @@
 :func:`texts` returns the code, one function for each step of the formulas; :func:`functions` returns these functions. A
 sum of up to four products is reduced once. The writer bounds all numbers, in units of p, for words with and without
 spare bits, and for floats. It reduces a number where an operation would exceed its bound. Binary fields and
-fields with tables need no such reductions; tables of odd characteristic run the code for primes.
+fields with tables need no such reductions, but fields with tables of odd characteristic run the code for primes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MOST = 4
 
 
 class Size(NamedTuple):
-    """Bounds of a number in units of p: on Wide and Lazy contexts (:mod:`jacobian.numbers.words`), and on floats."""
+    """Bounds of a number, in units of p, in Wide contexts, Lazy ones (:mod:`jacobian.numbers.words`) and floats."""
 
     wide: float
     lazy: float
@@ -181,14 +181,14 @@ def _dot_size(factors: list[Size]) -> Size | None:
     pairs = list(zip(factors[::2], factors[1::2], strict=True))
     wide, lazy = sum(x.wide * y.wide for x, y in pairs), sum(x.lazy * y.lazy for x, y in pairs)
     each = [x.double * y.double for x, y in pairs]
-    # on floats the rounded quotient of each product is off by at most 1/2 plus three roundings
+    # if the words are floats, the rounded quotient of a product by p is off by at most 1/2 plus three roundings
     size = Size(wide / 2 + 1 / 2, lazy / 8 + 1 / 2, sum(1 / 2 + 0.19 * x for x in each))
     return size if wide <= 1 and lazy <= 28 and max(each) < 16 and within(size, SETTLED) else None
 
 
 @cache
 def texts(model: type) -> dict[str, str]:
-    """The code of every step for one class of short equations, by the name of the step."""
+    """The code of every step for a class of equations of :mod:`jacobian.addition.short`, by the name of the step."""
     formulas, known = MODELS[model]
     g = formulas.genus
     places = [*reversed(range(g)), *reversed(range(g, 2 * g))]

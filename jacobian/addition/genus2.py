@@ -39,14 +39,14 @@ def chord(C: Any, first: Line, second: Line) -> Quotient:
 
 
 def h_modulo(C: Any, first: Line) -> Pair:
-    """h modulo U."""
+    """h modulo the U of the divisor ``first``."""
     a1, a0, _, _ = first
     top = C.h2 - C.h3 * a1
     return C.h1 - a1 * top - C.h3 * a0, C.h0 - a0 * top
 
 
 def over_tangent(C: Any, first: Line, numerator: Pair) -> Quotient:
-    """(r, r·s₁, r·s₀) for s = (k₁x + k₀)/(2V + h) modulo U."""
+    """(r, r·s₁, r·s₀) for s = s₁x + s₀ = (k₁x + k₀)/(2V + h) modulo U; r is the resultant of U and 2V + h."""
     (a1, a0, b1, b0), (k1, k0), (h1, h0) = first, numerator, h_modulo(C, first)
     t1, t0 = b1 + b1 + h1, b0 + b0 + h0
     square = t1 * t1 if C.h1 or C.h2 or C.h3 else square_of_twice(b1)
@@ -65,7 +65,7 @@ def opposite(C: Any, first: Line) -> Line:
 
 
 def tangent_of_degree_5(C: Any, first: Line) -> Quotient:
-    """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/(2V + h) modulo U. 9M + 2S, 3S if h ≠ 0."""
+    """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/(2V + h) modulo U, as in :func:`over_tangent`. 9M + 2S, 3S if h ≠ 0."""
     a1, a0, b1, b0 = first
     top, double = C.f5 * a1, C.f5 * (a0 + a0)
     bent = a1 * (top - C.f4)
@@ -75,13 +75,13 @@ def tangent_of_degree_5(C: Any, first: Line) -> Quotient:
 
 
 def product_of_degree_5(C: Any, quotient: Quotient) -> Any:
-    """r·(r·s₁), the number that a sum inverts."""
+    """r·(r·s₁) for the ``quotient`` (r, r·s₁, r·s₀): the number that a sum inverts."""
     r, s1, _ = quotient
     return r * s1
 
 
 def cubic_of_degree_5(C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the quotient's factor r, from the inverse of :func:`product_of_degree_5`."""
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²) from (r, r·s₁, r·s₀) = ``quotient`` and the inverse of :func:`product_of_degree_5`."""
     r, s1, s0 = quotient
     shrink = r * inverse
     w4 = r * shrink
@@ -98,7 +98,7 @@ def sum_u_of_degree_5(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
 
 
 def sum_v_of_degree_5(C: Any, cubic: Line, u: Pair, first: Line) -> Pair:
-    """(v₁, v₀) of the sum's v = −ℓ − h modulo u."""
+    """(v₁, v₀) of the sum's v = −ℓ − h modulo u, with the cubic ℓ = V + U·(s₁x + s₀)."""
     (lead, s, _, _), (e1, e0), (a1, a0, b1, b0) = cubic, u, first
     w = s + a1 - e1
     v1 = C.h2 * e1 - C.h1 - b1 - lead * (s * a1 - e1 * w + (a0 - e0))
@@ -122,7 +122,7 @@ def tangent_of_degree_6(C: Any, first: Line) -> Quotient:
 
 
 def lead_of_degree_6(C: Any, quotient: Quotient) -> Any:
-    """r²·(s₁² + h₃s₁ − f₆)."""
+    """r²·(s₁² + h₃s₁ − f₆), from the quotient (r, r·s₁, r·s₀)."""
     r, s1, _ = quotient
     return s1 * s1 - C.f6 * (r * r) + C.h3 * (r * s1)
 
@@ -152,7 +152,7 @@ def sum_u_of_degree_6(C: Any, cubic: Line, first: Line, second: Line) -> Pair:
 
 
 def sum_v_of_degree_6(C: Any, cubic: Line, u: Pair, first: Line) -> Pair:
-    """(v₁, v₀) of the sum's v = −ℓ − h modulo u."""
+    """(v₁, v₀) of the sum's v = −ℓ − h modulo u, with the cubic ℓ = V + U·(s₁x + s₀)."""
     (s1, s0, _, high), (e1, e0), (a1, a0, b1, b0) = cubic, u, first
     q = s0 + high + C.h2 - e1 * (s1 + C.h3)
     v1 = (e0 - a0) * s1 + C.h3 * e0 + e1 * q - a1 * s0 - b1 - C.h1

@@ -43,7 +43,7 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
     p2, p1, p0 = n1 - c2 * n2, n0 - c1 * n2, -(c0 * n2)
     i0, i1, i2 = n1 * p2 - p1 * n2, p1 * m2 - m1 * p2, m1 * n2 - n1 * m2
     r = m0 * i0 + n0 * i1 + p0 * i2
-    # iw modulo u is r·s
+    # (i₂x² + i₁x + i₀)·(w₂x² + w₁x + w₀) modulo u is r·s
     q4 = i2 * w2
     q3 = i2 * w1 + i1 * w2 - c2 * q4
     s2 = i2 * w0 + i1 * w1 + i0 * w2 - c1 * q4 - c2 * q3
@@ -51,7 +51,7 @@ def quotient_by(m: Triple, w: Triple, u: Triple) -> Four:
 
 
 def chord(C: Any, first: Row, second: Row) -> Four:
-    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'."""
+    """(r, r·s₂, r·s₁, r·s₀) for s = (V' − V)/U modulo U'; r is the resultant of U' and U."""
     (a2, a1, a0, b2, b1, b0), (c2, c1, c0, d2, d1, d0) = first, second
     return quotient_by((a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), (c2, c1, c0))
 
@@ -74,7 +74,7 @@ def tangent(C: Any, first: Row) -> Four:
 
 
 def product(C: Any, quotient: Four) -> Any:
-    """r·(r·s₂), the number that a sum inverts."""
+    """The number r·(r·s₂) that a sum inverts, from a quotient (r, r·s₂, r·s₁, r·s₀)."""
     r, s2, _, _ = quotient
     return r * s2
 
@@ -95,7 +95,7 @@ def without_v(bent: Four, first: Row) -> Four:
 def next_u(C: Any, bent: Four, first: Row, second: Row) -> Four:
     """(e₃, e₂, e₁, e₀) of u' = x⁴ + e₃x³ + …, whose roots are the x of the quintic's four other points on the curve."""
     (_, t1, t0, w4), (a2, a1, _, b2, b1, _), (c2, c1, c0, _, _, _) = bent, first, second
-    # u' = (t·(t·U + 2w₄V) − w₄²·(f − V²)/U)/U' with t = s/s₂ = x² + t₁x + t₀ and w₄ = 1/s₂
+    # for the quintic V + U·s, with t = s/s₂ = x² + t₁x + t₀ and w₄ = 1/s₂: u' = (t(tU + 2w₄V) − w₄²(f − V²)/U)/U'
     l3, l2, l1, _ = without_v(bent, first)
     l4, twice, w5 = a2 + t1, w4 + w4, w4 * w4
     y2, y1 = l2 + twice * b2, l1 + twice * b1
@@ -108,7 +108,7 @@ def next_u(C: Any, bent: Four, first: Row, second: Row) -> Four:
 
 
 def next_v(C: Any, bent: Four, meeting: Four, first: Row, second: Row) -> Four:
-    """(k₃, k₂, k₁, k₀), the coefficients of −v' = ℓ modulo u'."""
+    """(k₃, k₂, k₁, k₀), the coefficients of −v', which is the quintic ℓ = V + U·s modulo u'."""
     (lead, t1, _, _), (e3, e2, e1, e0), (_, _, _, b2, b1, b0) = bent, meeting, first
     l3, l2, l1, l0 = without_v(bent, first)
     # ``g`` is the leading coefficient of (ℓ − V)/s₂ − x·u'
@@ -118,7 +118,7 @@ def next_v(C: Any, bent: Four, meeting: Four, first: Row, second: Row) -> Four:
 
 
 def sum_u(C: Any, meeting: Four, middle: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u = (f − v'²)/u'."""
+    """(u₂, u₁, u₀) of the sum's u = (f − v'²)/u', from the coefficients of u' (``meeting``) and of −v' (``middle``)."""
     (e3, e2, e1, _), (k3, k2, k1, _) = meeting, middle
     twice = k3 + k3
     u2 = C.f6 - e3 - k3 * k3
@@ -127,7 +127,7 @@ def sum_u(C: Any, meeting: Four, middle: Four) -> Triple:
 
 
 def sum_v(C: Any, u: Triple, middle: Four) -> Triple:
-    """(v₂, v₁, v₀) of the sum's v = −v' modulo u."""
+    """(v₂, v₁, v₀) of the sum's v = −v' modulo u; ``middle`` has the coefficients of −v' (:func:`next_v`)."""
     (u2, u1, u0), (k3, k2, k1, k0) = u, middle
     return k2 - k3 * u2, k1 - k3 * u1, k0 - k3 * u0
 
@@ -136,13 +136,13 @@ def sum_v(C: Any, u: Triple, middle: Four) -> Triple:
 
 
 def quartic(C: Any, meeting: Four, middle: Four) -> Four:
-    """The coefficients of c·u' − v' below c·x⁴."""
+    """The coefficients of c·u' − v' below c·x⁴, from u' = ``meeting`` and −v' = ``middle``, with y ~ c·x⁴ at ∞₊."""
     w3, w2, w1, w0 = (k + C.c * e for k, e in zip(middle, meeting, strict=True))
     return w3, w2, w1, w0
 
 
 def sum_u_of_degree_8(C: Any, meeting: Four, curve: Four) -> Triple:
-    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. The inverted number is 0 if the sum has lower weight."""
+    """(u₂, u₁, u₀) of the sum's u, from the quartic ``curve``. For a sum of lower weight 0 is inverted."""
     (e3, e2, e1, _), (w3, w2, w1, w0) = meeting, curve
     twice = w3 + w3
     inverse = 1 / (C.f7 - C.c * twice)
@@ -152,7 +152,7 @@ def sum_u_of_degree_8(C: Any, meeting: Four, curve: Four) -> Triple:
 
 
 def sum_v_of_degree_8(C: Any, u: Triple, curve: Four) -> Triple:
-    """(v₂, v₁, v₀) of the sum's v, the quartic modulo u."""
+    """(v₂, v₁, v₀) of the sum's v, which is the quartic ``curve`` modulo u."""
     (u2, u1, u0), (w3, w2, w1, w0) = u, curve
     g = w3 - C.c * u2
     return w2 - C.c * u1 - g * u2, w1 - C.c * u0 - g * u1, w0 - g * u0

@@ -81,7 +81,7 @@ def multiple(
     negate: Callable[[Class], Class],
     zero: Class | None = None,
 ) -> Class:
-    """m·a, from the width-4 non-adjacent form of m, width 2 up to 12 bits (Solinas 2000). Only m = 0 needs ``zero``."""
+    """m·a, by m's non-adjacent form of width 4, or 2 for at most 12 bits (Solinas 2000). Only m = 0 needs ``zero``."""
     if m < 0:
         m, a = -m, negate(a)
     if m == 0:

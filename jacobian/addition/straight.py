@@ -141,14 +141,14 @@ class Term:
 
 
 def cross(x1: Any, x0: Any, y1: Any, y0: Any) -> Any:
-    """x₁y₀ + x₀y₁, where the caller also needs x₁y₁ and x₀y₀; ``karatsuba`` saves a product (Karatsuba, Ofman 1962)."""
+    """x₁y₀ + x₀y₁ beside x₁y₁ and x₀y₀; a :class:`Tape` with ``karatsuba`` saves a product (Karatsuba, Ofman 1962)."""
     if _saves_products(x1, x0, y1, y0):
         return (x1 + x0) * (y1 + y0) - x1 * y1 - x0 * y0
     return x1 * y0 + x0 * y1
 
 
 def square_of_twice(x: Any) -> Any:
-    """(2x)², where the caller also needs x²; with ``karatsuba`` it takes no further product."""
+    """(2x)², where the caller also needs x². On a tape with ``karatsuba`` it is four times x², without a product."""
     if not _saves_products(x):
         return (x + x) * (x + x)
     twice = x * x + x * x
@@ -189,7 +189,7 @@ class Formulas(NamedTuple):
         return self.closed(C, quotient, None, first, second)
 
     def closed(self, C: Any, quotient: Any, inverse: Any, first: Any, second: Any) -> tuple[Any, ...]:
-        """The sum of two classes from their quotient and the ``inverse`` of "product", computed here if it is None."""
+        """The sum of two classes from their ``quotient``; ``inverse`` is 1/x for the result x of "product", or None."""
         found = {"C": C, "quotient": quotient, "inverse": inverse, "first": first, "second": second}
         for name, step in self.steps:
             if name != "product" or inverse is None:

@@ -1,9 +1,9 @@
 """The steps of the explicit formulas on words, which compiled loops call.
 
 The arithmetic is that of :mod:`jacobian.numbers.words`. :data:`STEPS` holds the functions that
-:mod:`jacobian.addition.emit_words` writes for each class of short equations; the class is known at compile time. Loops
-with these steps run compiled, and in Python without compilation. Tests run all steps on intervals to show that no word
-overflows.
+:mod:`jacobian.addition.emit_words` writes for each class of equations of :mod:`jacobian.addition.short`. Loops with
+these steps run compiled, for one class of equations each, and in Python without compilation. Tests run all steps on
+intervals to show that no word overflows.
 
 A class of weight g is a tuple of 2g words, u and v from the highest coefficient down. An array stores it as a column in
 the order u₀ … u_{g−1}, v₀ … v_{g−1}. Single classes are passed and returned as residues, ascending. The steps, for a

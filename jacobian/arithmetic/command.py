@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def text_of(L: LPolynomials) -> str:
-    """The record, the moments and, in genus 1 and 2, the compatible Sato–Tate groups, each with its probability."""
+    """A report on L: its repr, the moments and, in genus 1 and 2, the compatible Sato–Tate groups and probabilities."""
     from jacobian.arithmetic.sato_tate import FROM, bound_with, sato_tate_groups
 
     lines = [repr(L)]

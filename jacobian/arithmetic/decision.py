@@ -59,8 +59,8 @@ def _desk(g: int, p: int) -> Any:
     from jacobian.arithmetic.desk import HEAD, Desk
 
     n = 2 * g + 3
-    # the number of baby steps: the square root of the number of candidates, in genus 3 at most 20 values of s with 40√p
-    # of t each
+    # the number of baby steps is about the square root of the number of candidates (s, t). In genus 3 there are at most
+    # 20 values of s, and at most 40√p values of t for each s
     steps = isqrt(1000 * isqrt(p)) if g == 3 else 4
     sizes = (HEAD + n + 2 * (g + 2), (ROWS, 4 * g + 8), (8, width(g)), n, n, (steps, width(g)), 4 * steps + 4, (24, 2))
     return Desk(*(np.zeros(size, np.int64) for size in (*sizes, (MOST, 2))))

@@ -100,9 +100,9 @@ def cubic_part(z: float, r1: float, r2: float) -> float:
 
 
 def search(K: Any, sign: int, rows: int, desk: Any) -> int:
-    """Finds all pairs (s, t), s < ``rows``, whose orders annihilate D; returns their number, or −1 for more than MOST.
+    """Finds all candidates (s, t), s < ``rows``, for which the group's order annihilates D; returns their number.
 
-    ``sign``: 1 if D is a class of the curve, −1 if of the twist.
+    ``sign``: 1 if D is a class of the curve, −1 if of the twist. The returned number −1 stands for more than MOST.
     """
     g, classes = desk.curve[0], desk.classes
     place, giant = classes[6], classes[7]
@@ -172,7 +172,7 @@ def place_of(a: Any, size: int) -> int:
 
 
 def found_step(desk: Any, place: Any, size: int) -> int:
-    """The number of the baby step that equals the class ``place``; −1 if there is none."""
+    """The index of the baby step that equals the class ``place``; −1 if there is none."""
     at = place_of(place, size)
     while desk.table[at] >= 0:
         i = desk.table[at]
@@ -183,7 +183,9 @@ def found_step(desk: Any, place: Any, size: int) -> int:
 
 
 def sift(K: Any, sign: int, count: int, desk: Any) -> int:
-    """The number of candidates whose orders annihilate D; they are moved to the front of ``found``."""
+    """Moves those candidates (s, t) whose group order annihilates the class D of the desk to the front of
+    ``desk.found``, and returns their number.
+    """
     g, classes, found, left = desk.curve[0], desk.classes, desk.found, 0
     place, other = classes[6], classes[7]
     for n in range(count):

@@ -37,7 +37,8 @@ class Desk(NamedTuple):
 
 
 def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
-    """Writes the curve y² = G(t) of x_0 to ``desk.curve``, and its classes p·D, p²·D and c·D to ``desk.classes[:3]``.
+    """Writes y² = G(t) to ``desk.curve``, and p·D, p²·D and c·D to ``desk.classes[:3]``, for the abscissa x_0; ``a`` is
+    (a_1, a_2, a_3), the last two modulo p. :mod:`jacobian.arithmetic.decision_kernels` defines G, D and c.
 
     Returns 1 if the curve is isomorphic to y² = F(x), −1 if it is isomorphic to the quadratic twist, 0 if F(x_0) = 0.
     """
@@ -60,7 +61,9 @@ def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
 
 
 def model_at(K: Any, x0: int, desk: Any) -> int:
-    """Writes the curve y² = G(t) as :func:`jacobian.addition.cantor_words.packed_curve` does; returns F(x_0)."""
+    """Returns F(x_0). If it is not 0, writes y² = G(t), G(t) = t^(2g+2)·F(x_0 + 1/t)/F(x_0), to ``desk.curve``, in the
+    form of :func:`jacobian.addition.cantor_words.packed_curve`.
+    """
     curve, moved, n = desk.curve, desk.moved, len(desk.F)
     g = (n - 3) // 2
     for i in range(n):
@@ -74,7 +77,7 @@ def model_at(K: Any, x0: int, desk: Any) -> int:
     curve[0], curve[1], curve[2], curve[3], curve[4], curve[5], curve[6] = g, 1, n, 0, g + 2, g + 2, 1
     for i in range(n):
         curve[HEAD + n - 1 - i] = K.dot(moved[i], scale)
-    # the principal parts ±V: V has degree g + 1, and deg(G − V²) ≤ g
+    # the principal parts ±V of y² = G(t): V has degree g + 1, and deg(G − V²) ≤ g
     top = HEAD + n + g + 1
     curve[top] = 1
     for i in range(1, g + 2):

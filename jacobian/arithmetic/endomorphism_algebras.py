@@ -70,7 +70,7 @@ def seen(found: Endomorphisms, L: LPolynomials | None = None) -> Seen:
     return result._replace(primes=len(polynomials), proven=only)
 
 
-# --- names
+# --- the names of algebras
 
 
 def algebra(basis: Sequence[Integers]) -> Algebra:
@@ -124,7 +124,7 @@ def squarefree(n: int) -> int:
 
 
 def _quaternions(matrices: Sequence[Any]) -> str:
-    """The name of a quaternion algebra: M_2(QQ), or its discriminant, from i and j with i² = a, j² = b, ij = −ji."""
+    """The name of a quaternion algebra: M_2(QQ), or its discriminant, from an i and a j in it with ij = −ji."""
     from flint import fmpq, fmpq_mat
 
     n = matrices[0].nrows()

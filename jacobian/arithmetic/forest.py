@@ -58,8 +58,8 @@ def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
 
 
 class Tree(NamedTuple):
-    """The results of a tree: ``windows``, that at the beginning of each block modulo the product of the block's primes,
-    and ``behind``, the window at the end of the last block modulo the product of all later primes.
+    """The results of a tree of blocks. ``windows`` has the window of coefficients at the beginning of each block,
+    modulo the product of its primes; ``behind`` that at the end of the last block, modulo the product of later primes.
     """
 
     windows: list[list[Any]]
@@ -69,9 +69,9 @@ class Tree(NamedTuple):
 def trees(
     f: Sequence[int], primes: Sequence[int], blocks: list[Block], window: list[Any] | None = None
 ) -> Iterator[Tree]:
-    """Yields the results of all trees. ``blocks`` have one size, a multiple of STEPS.
+    """Yields a :class:`Tree` for every TREE of the ``blocks``, which have one size, a multiple of STEPS.
 
-    The first block begins at 0, or at the beginning of a later tree; then the ``window`` there is given.
+    If the first block does not begin at 0, a tree must begin there, and ``window`` is the window at that integer.
     """
     d = len(f) - 1
     size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0
@@ -92,7 +92,7 @@ def trees(
 
 
 def _first_products(f: Sequence[int]) -> list[list[fmpz_poly]]:
-    """The entries of M(k + STEPS) ⋯ M(k + 1) as polynomials in k."""
+    """The entries of M(k + STEPS) ⋯ M(k + 1), with the matrices M of the recurrence, as polynomials in k."""
     d = len(f) - 1
     total = [[fmpz_poly([int(i == j)]) for j in range(d)] for i in range(d)]
     for step in range(1, STEPS + 1):
@@ -138,7 +138,9 @@ def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
 
 
 def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
-    """The windows at the beginnings of the blocks, modulo their moduli, from that at the beginning of the tree."""
+    """The windows (module docstring) at the beginnings of all blocks of a tree, each modulo the product of the block's
+    primes, from the ``window`` at the beginning of the tree.
+    """
     above = [window]
     for level in range(len(modules) - 2, -1, -1):
         here = []

@@ -45,9 +45,9 @@ def translations(F: Sequence[int], g: int) -> list[int]:
 
 
 def exceptions(F: Sequence[int], g: int) -> int:
-    """An integer whose prime divisors, and 2, are excluded from :func:`hasse_witt`.
+    """The product of the values F(a) at the integers a of :func:`translations`, and of the differences of these a.
 
-    It is the product of the values of F at the translations, and of the differences of translations.
+    :func:`hasse_witt` excludes 2 and the prime divisors of this product.
     """
     shifts = translations(F, g)
     values = (sum(c * a**i for i, c in enumerate(F)) for a in shifts)
@@ -57,8 +57,8 @@ def exceptions(F: Sequence[int], g: int) -> int:
 class Place(NamedTuple):
     """The progress of a run over all primes. The first ``done`` primes are finished.
 
-    The first unfinished tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``. ``windows`` has
-    the window at the beginning of this tree, for each translate of F.
+    The first unfinished tree of :mod:`jacobian.arithmetic.forest` begins with block number ``block``. For each
+    translate F(x + a) ``windows`` has the window, a row of coefficients, at the beginning of this tree.
     """
 
     done: int = 0
@@ -67,7 +67,7 @@ class Place(NamedTuple):
 
 
 class Part(NamedTuple):
-    """The ``matrices`` W of the primes ``first`` … ``last`` − 1, (n, g, g), and the place to resume from."""
+    """The ``matrices`` W, (n, g, g), of the primes number ``first`` … ``last`` − 1, and the place to resume from."""
 
     first: int
     last: int
@@ -135,9 +135,10 @@ def _ratios(moved: list[list[int]], p: Any) -> Any:
 
 
 def _scale(moved: list[list[int]], p: Any, start: int, product: Any) -> Any:
-    """The factors c_0/((2f_0)^start·start!) of the coefficients of a walk that begins at ``start``, (N, T).
+    """c_0/((2f_0)^start·start!) modulo p, (N, T): the factors of the results of a walk that begins at ``start``.
 
-    c_0 = f_0^((p−1)/2), and start!·``product`` = (p − 1)! = −1 (Wilson).
+    ``moved`` are the translates of F, f_0 is the constant coefficient of one, and c_0 = f_0^((p−1)/2). ``product`` is
+    (p − 1)!/start! = −1/start! (Wilson).
     """
     found = np.empty((len(p), len(moved)), np.int64)
     for t, f in enumerate(moved):

@@ -58,8 +58,8 @@ class Part(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """A group, and the ``probability`` of means at least as far from the expected ones as those of the curve, if this
-    is the curve's group.
+    """A group, and the ``probability`` that χ² is at least as large as for the curve, if this is the curve's group. χ²
+    measures how far means over the primes, such as that of a_1², are from their expected values.
 
     ``primes``: how many primes would separate the group from the most probable one; 0 for the most probable group.
     """
@@ -140,7 +140,7 @@ def _unitary() -> dict[str, list[Part]]:
     for n in (2, 4, 6):
         half, odd = n // 2, [pi * k / n for k in range(1, n, 2)]
         found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
-        # H′ is D_(n/2): every second rotation about the main axis and half turns about every second perpendicular axis
+        # without J: D_(n/2), half of the rotations about the main axis and half turns about half of the other axes
         found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
     for n in (3, 4, 6):
         found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
@@ -213,7 +213,7 @@ def moment(parts: list[Part], i: int, j: int = 0) -> float:
 
 
 def moments_of_groups(most: int = 8) -> dict[str, list[int]]:
-    """M[a_1²], M[a_1⁴], …, M[a_1^most] and M[a_2], …, M[a_2^(most/2)] of all groups of genus 2, which are integers."""
+    """The means of a_1², a_1⁴, …, a_1^most and a_2, …, a_2^(most/2) for each group of genus 2. They are integers."""
     powers = [(i, 0) for i in range(2, most + 1, 2)] + [(0, j) for j in range(1, most // 2 + 1)]
     return {name: [round(moment(parts, *e)) for e in powers] for name, parts in groups(2).items()}
 
@@ -234,7 +234,7 @@ def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
 
 @cache
 def _expected(genus: int, name: str) -> tuple[Any, Any]:
-    """The means and the covariances of the compared quantities in a group."""
+    """The means and the covariances of the quantities of :func:`_compared` in a group."""
     parts = groups(genus)[name]
     rows = []
     for x in parts:

@@ -31,8 +31,8 @@ WHOLE = 6755399441055744.0
 class Walks(NamedTuple):
     """The data of N walks, one for each prime, ascending; each has T translates of f, of degree d.
 
-    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: d coefficients, the last that of x^start, up to one
-    factor, (N, T, d).
+    ``ratios``: f_i/f_0 modulo p, i = d … 1, (N, T, d); ``window``: the coefficients of x^(start−d+1), …, x^start in
+    f^((p−1)/2), times a common factor, (N, T, d).
     """
 
     primes: Any
@@ -42,7 +42,9 @@ class Walks(NamedTuple):
 
 
 def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
-    """(c_(p−1), …, c_(p−count)) up to the factor of the window, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
+    """The c_(p−1), …, c_(p−count) of the module's docstring, (N, T, count), and Π_{start<k<p} k, (N,), modulo p. The
+    c_k contain the same factor as those in ``walks.window``.
+    """
     primes, ratios, start, window = walks
     size, translates, d = ratios.shape
     groups = -(-size // TOGETHER)
@@ -67,7 +69,7 @@ def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
             given = moduli[i], 1 / moduli[i], power[i], plain[i], weighted[i], windows[i]
             group = Group(*(np.ascontiguousarray(x).reshape(-1, LANES) for x in given))
             library().walk((start, d, count, translates), ends, group, room, out, total)
-            # when the walk arrives at prime n, it writes the values of all primes; those of prime n are taken
+            # whenever the walk arrives at one of its primes, it writes values for all; those for this prime are taken
             found[i] = out.reshape(TOGETHER, translates, count, LANES)[own, :, :, own % LANES]
             products[i] = total.reshape(TOGETHER, LANES)[own, own % LANES]
 
@@ -128,8 +130,8 @@ class Room(NamedTuple):
 
 
 def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
-    """Walks to k = ends[n] for each n in turn. At each end it writes the last coefficients to ``out`` and the product
-    of all k to ``total``, for the LANES primes of which prime n is one. ``shape`` = (start, d, count, translates).
+    """Computes c_k up to k = ends[n] for each n in turn. There it writes the last ``count`` c_k to ``out`` and Π k from
+    start + 1 on to ``total``, for the LANES primes of which prime n is one. ``shape`` = (start, d, count, translates).
     """
     start, d, count, translates = shape
     states, groups = room.states, len(group.primes)
@@ -162,7 +164,7 @@ def rest(x: Any, p: Any, r: Any) -> Any:
 
 
 def invert(k: int, size: int, group: Any, room: Any) -> None:
-    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime, and multiplies ``run`` by these k + i."""
+    """Writes 1/(k + 1), …, 1/(k + size) modulo each prime to ``room``; multiplies its ``run`` by (k + 1)⋯(k + size)."""
     P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
     product, power = room.product, room.power
     for q in range(groups):

@@ -66,8 +66,8 @@ def row(S: Any, at: Any, j: Any) -> Any:
 
 
 def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
-    """Computes the second halves of a block's sums in genus 2, from the inverses. Short loops let the processor work on
-    more rows at once."""
+    """Completes the sums of a block of rows in genus 2, from the quotients and the inverses of their products."""
+    # several short loops let the processor work on more rows at once than one long loop
     for j in range(BLOCK):
         keep(S, MIDDLE, j, STEPS[type(C)].cubic(K, C, three(S, MIDDLE, j), S[PRODUCT + j], line(S, FIRST, j)))
     for j in range(BLOCK):
@@ -80,7 +80,7 @@ def close_lines(K: Any, C: Any, S: Any, second: Any) -> None:
 
 
 def close_rows(K: Any, C: Any, S: Any, second: Any) -> None:
-    """Computes the second halves of a block's sums in genus 3, as :func:`close_lines` does."""
+    """Completes the sums of a block of rows in genus 3, as :func:`close_lines` does in genus 2."""
     for j in range(BLOCK):
         keep(S, MIDDLE, j, STEPS[type(C)].bent(K, C, four(S, MIDDLE, j), S[PRODUCT + j]))
     for j in range(BLOCK):
@@ -101,7 +101,7 @@ def divisor(C: Any, S: Any, at: Any, j: Any) -> Any:
 
 
 def close(K: Any, C: Any, S: Any, second: Any) -> None:
-    """Computes the second halves of a block's sums. The second summand begins at the offset ``second``."""
+    """Completes the sums of a block of rows. The second summands begin at the offset ``second``."""
     if C.genus == 2:
         close_lines(K, C, S, second)
     else:
@@ -117,7 +117,7 @@ def sums(C: Any) -> Any:
 
 
 def keep_quotient(K: Any, C: Any, S: Any, j: Any, quotient: Any) -> None:
-    """Stores the quotient of row j, the first half of its sum, and the product to be inverted."""
+    """Stores the quotient, which the first half of the sum in row j computes, and the number that this sum inverts."""
     S[PRODUCT + j] = K.canonical(STEPS[type(C)].product(K, C, quotient))
     keep(S, MIDDLE, j, quotient)
 

@@ -14,8 +14,8 @@ from jacobian.curve.curve import HyperellipticCurve, coefficient
 
 
 class Equation:
-    """An equation and the isomorphism to it: ``curve`` is the equation on which rows are added, ``shift`` has g + 2
-    coefficients, ``scale`` is c.
+    """The equation ``curve`` on which rows are added, and the isomorphism to it, (x, y) ↦ (cx, c^g·(y + shift(x))).
+    ``shift`` has g + 2 coefficients, ``scale`` is c.
     """
 
     def __init__(self, C: HyperellipticCurve) -> None:

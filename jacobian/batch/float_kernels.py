@@ -24,13 +24,13 @@ NOISE = 2.0**-40
 GIVEN_NOISE = 2.0**-32
 # summands that are opposite to within this fraction of their size are not added here: their sum keeps few digits
 OPPOSITE = 2.0**-30
-# the roots of p² − q²f are the abscissae of the summands and of the sum; p = q·V + L·U, and the largest coefficient of
-# q and L = l1·x + l0 is about 1. If the leading coefficient of p² − q²f is small, the sum has a point far out or at
-# infinity. In genus2_real it is l1², and |l1| must exceed FLATTEST_CHORD; in genus2_complex it must exceed FLATTEST
+# the roots of p² − q²f, p = q·V + L·U, are the abscissae of summands and sum; the largest coefficient of q and
+# L = l1·x + l0 is about 1. If the leading coefficient of p² − q²f is small, the sum has a point far out or at infinity.
+# This coefficient must exceed FLATTEST in genus2_complex. In genus2_real it is l1², and |l1| must exceed FLATTEST_CHORD
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# f at the smallest abscissa of the summands, and its leading term at the largest one, must be at least this fraction of
-# f at the largest one; then 21 of 53 bits remain
+# f at the smallest abscissa of the summands, and the leading term of f at the largest abscissa, must both be at least
+# this fraction of f at the largest abscissa; then 21 of 53 bits remain
 EVEN = 2.0**-32
 TINY = 1e-300
 
@@ -53,7 +53,7 @@ def shift(half: Any, u0: Any, u1: Any) -> Any:
 
 
 def scaled(half: Any, units: Any, columns: Any, i: Any) -> Any:
-    """Divisor i on y² = f + h²/4 in the units of the kernel. ``half`` is h/2, ``units`` the factors to these units."""
+    """Divisor i on y² = f + h²/4, with u₀, u₁, v₀, v₁ multiplied by the four factors ``units``. ``half`` is h/2."""
     u0, u1 = columns[0, i], columns[1, i]
     t0, t1 = shift(half, u0, u1)
     return u0 * units[0], u1 * units[1], (columns[2, i] + t0) * units[2], (columns[3, i] + t1) * units[3]
@@ -112,7 +112,7 @@ def added(f: Any, first: Any, second: Any) -> Any:
 
 
 def steep(f: Any, size: Any) -> Any:
-    """Whether a sum has degree 2, from the second value of :func:`added`."""
+    """Whether a sum has degree 2; ``size`` is the second value of :func:`added`."""
     if len(f) == 6:
         return extent(size) > FLATTEST_CHORD
     return extent(size) > FLATTEST
@@ -155,8 +155,8 @@ def add_columns(curve: Any, first: Any, second: Any, out: Any, doubtful: Any, sp
     """Adds the columns of a span (begin, end), in blocks, so that LLVM vectorises the steps that are the same for all
     columns.
 
-    ``curve`` is f, h/2, the units of the kernel and their inverses. The scratch array S, of SCRATCH numbers, has rows
-    of BLOCK numbers: for the summands, the sum, and the quantity that vanishes if the degree of the sum drops.
+    ``curve`` is f, h/2, the units of u₀, u₁, v₀, v₁ and their inverses. The scratch array S, of SCRATCH numbers, has
+    rows of BLOCK numbers: for the summands, the sum, and the quantity that vanishes if the degree of the sum drops.
     """
     (f, half, units, inverses), (begin, end) = curve, span
     each = second.shape[1] > 1
@@ -187,7 +187,7 @@ def add_columns(curve: Any, first: Any, second: Any, out: Any, doubtful: Any, sp
 
 
 def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Any) -> Any:
-    """The index of the first divisor whose remainder exceeds GIVEN_NOISE, or −1."""
+    """The index of the first divisor whose :func:`misfit` with the curve exceeds GIVEN_NOISE, or −1."""
     for i in range(divisors.shape[1]):
         if not misfit(f, scaled(half, inverses, divisors, i)) <= GIVEN_NOISE:
             return i

@@ -19,7 +19,7 @@ from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 
-# kinds of rows: two points; one (+ weight 0 or 1 at ∞₊); none (+ weight 0, 1 or 2); unknown class; point at infinity
+# kinds of rows: PAIR (two points), POINT + n (one) and NONE + n (none) with the weight n at ∞₊, LOST (unknown class)
 PAIR, POINT, NONE, LOST, AT_INFINITY = 0, 1, 3, 6, 7
 DEGREES = np.array([2, 1, 1, 0, 0, 0, 0, 0])
 WEIGHTS = np.array([0, 0, 1, 0, 1, 2, 0, 0])
@@ -211,7 +211,6 @@ class FloatRows:
         return result
 
     def _chosen(self, mask: Any, first: Rows, second: Rows) -> Rows:
-        """The rows of ``first`` where ``mask`` is true, else the rows of ``second``."""
         return _rows(np.where(mask, first.data, second.data), np.where(mask, first.kinds, second.kinds))
 
 
@@ -225,7 +224,6 @@ def _kind(D: Divisor) -> int:
 
 
 def _result(operation: Callable[..., Divisor], *operands: Divisor) -> tuple[list[Any], int]:
-    """The column and the kind of the result of an operation of the Jacobian."""
     try:
         found = operation(*operands)
     except PrecisionLoss:

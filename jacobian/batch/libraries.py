@@ -28,7 +28,7 @@ BYTES, SPAN = ArrayKind(INT, stored="uint8"), TupleKind((INT, INT))
 
 
 def equation(context: Any, model: Any) -> TupleKind:
-    """The kind of a short equation, the coefficients that the explicit formulas use."""
+    """The kind, in compiled code, of an equation of the class ``model`` of :mod:`jacobian.addition.short`."""
     return record(model, *[NUMBERS[context].item] * len(model._fields))
 
 

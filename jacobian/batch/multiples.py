@@ -1,7 +1,7 @@
 """Multiples of rows, each by a scalar of its own: a ladder on a few thousand rows at once, on one thread.
 
-``run`` is a :class:`jacobian.batch.stored_rows.StoredRows`, whose ``add_here``, ``double_here`` and ``negate_here``
-are the group law on the calling thread.
+The argument ``run`` is a :class:`jacobian.batch.stored_rows.StoredRows`, whose ``add_here``, ``double_here`` and
+``negate_here`` are the group law on the calling thread.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ class Powers(NamedTuple):
 
 
 def powers(K: Any, windows: Any, room: Any) -> None:
-    """Sets power = value^e for each of the CHAINS numbers, from the :func:`jacobian.batch.random_rows.windows` of e."""
+    """Sets room.power = room.value^e for CHAINS numbers, from the :func:`jacobian.batch.random_rows.windows` of e."""
     value, power, odd = room
     for j in range(CHAINS):
         odd[0, j] = value[j]
@@ -71,8 +71,8 @@ def square_root(K: Any, a: Any, power: Any, generator: Any, twos: Any) -> Any:
 
 def lift(K: Any, f: Any, roots: Any, x: Any, y: Any, second: Any, found: Any, room: Any) -> None:
     """Sets y[i] to a root of y² = f(x[i]) in GF(p), or to the other root if second[i] is 1. found[i] becomes 1, or 0 if
-    there is no such root; y = 0 has no other root. ``roots`` holds the windows of (m − 1)/2, and the generator and
-    twos of :func:`square_root`.
+    there is no such root; y = 0 has no other root. ``roots`` is the result of
+    :func:`jacobian.batch.random_rows._root_constants`.
     """
     windows, generator, twos = roots
     value = room.value

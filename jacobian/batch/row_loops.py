@@ -106,9 +106,7 @@ def negate_rows(K: Any, h: Any, first: Any, out: Any, span: Any, R: Any) -> None
 
 
 def select_rows(tables: Any, choice: Any, out: Any) -> None:
-    """Copies row i of table choice[i] into row i of ``out``, for every i. Both ``tables`` and ``out`` are
-    (rows, degrees, weights).
-    """
+    """Copies row i of table choice[i] into row i of ``out``; ``tables`` and ``out`` are (rows, degrees, weights)."""
     (data, degrees, weights), (x, degree, weight) = tables, out
     for k in range(x.shape[0]):
         for i in range(x.shape[1]):
@@ -141,7 +139,7 @@ def take(K: Any, g: Any, rows: Any, i: Any, a: Any) -> None:
 
 
 def put(g: Any, a: Any, rows: Any, i: Any) -> None:
-    """Stores the class ``a`` of :mod:`jacobian.addition.cantor_words` as row i."""
+    """Stores the class ``a``, an array as in :mod:`jacobian.addition.cantor_words`, as row i."""
     out, degree, weight = rows
     degree[i] = a[0] - 1
     for k in range(g):

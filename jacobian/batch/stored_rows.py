@@ -129,9 +129,7 @@ class StoredRows:
         return x
 
     def _add_special(self, operands: Sequence[Rows], out: Rows, chosen: Any) -> None:
-        """Writes the sums of two operands, or the double of one, to the rows of ``out`` whose indices are in
-        ``chosen``.
-        """
+        """Writes the sums of two operands, or the double of one, to the rows of ``out`` with the indices ``chosen``."""
         raise NotImplementedError
 
     # --- storage
@@ -219,7 +217,6 @@ class StoredRows:
         ]
 
     def _room(self) -> Any:
-        """Scratch memory for three polynomials modulo some u."""
         return self.memory(3, self.genus)
 
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
@@ -307,7 +304,7 @@ class StoredRows:
             out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
-        """Row i of part choice[i], for each i. ``stacked`` is (data, degree, weight), each an array over all parts."""
+        """Row i of the part number choice[i], for each i. ``stacked`` = (data, degree, weight) holds all parts."""
         out = self.empty(len(choice))
         (data, *others), (x, *rest) = stacked, out
         self._run.select_rows((self.bits(data), *others), choice, (self.bits(x), *rest))

@@ -106,8 +106,8 @@ class FloatSums:
 
 
 def _one_by_one(work: Callable[[int, int], None], doubtful: np.ndarray) -> Callable[[int, int], None]:
-    """A function that runs ``work`` column by column, for interpreted loops. There a division by zero raises an error,
-    which marks only its own column in ``doubtful``.
+    """A function that runs ``work`` on one column at a time, for interpreted loops. A column in which a division by
+    zero raises an error is marked in ``doubtful``.
     """
 
     def each(begin: int, end: int) -> None:

@@ -188,7 +188,7 @@ class HyperellipticCurve(CurveQuestions[Element]):
 
     def summary(self, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
         """A report on this curve over QQ. Each line is marked as proven, computed or conjectural. The page has
-        L-polynomials up to ``bound``, points with x of up to this height, and periods to ``digits`` digits
+        L-polynomials up to ``bound``, points whose x has a height up to ``height``, and periods to ``digits`` digits
         (:func:`jacobian.page.lines.summary`).
         """
         from jacobian.page.lines import summary

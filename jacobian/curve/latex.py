@@ -22,7 +22,7 @@ def field(K: Any) -> str:
 
 
 def polynomial(K: Field, a: poly.Poly, variable: str = "x") -> str:
-    """A polynomial, the highest power first."""
+    """A polynomial as LaTeX, the highest power first."""
     written = re.sub(r"\^(\d+)", r"^{\1}", poly.text(K, a, variable)).replace("·", " ").replace("j", "i")
     written = re.sub(rf"({_INT})/({_INT})", r"\\tfrac{\1}{\2}", written)
     written = re.sub(r"…(\d+)\[(\d+) digits\]", r"\\ldots \1_{[\2\\,\\mathrm{digits}]}", written)
@@ -38,8 +38,8 @@ def equation(K: Field, f: poly.Poly, h: poly.Poly) -> str:
 def term_of_y(K: Field, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
     """The text of "+ h(x)y" in an equation that begins with y²; ``written`` is the text of h.
 
-    A single term without inner + − / j is followed by ``times`` and y; any other h is put into the format
-    ``bracketed``.
+    If h is a single term whose text has no + − / j after its first character, ``times`` and y follow it. Any other h is
+    put into the format ``bracketed``.
     """
     if not h:
         return ""

@@ -47,7 +47,7 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
     """
     squares = {x * x % p for x in range(p)}
     values = [sum(c * pow(x, i, p) for i, c in enumerate(form)) % p in squares for x in range(p)]
-    # for b = 0 the sum is its last coefficient times an even power of a
+    # for b = 0 the sum is c_degree·a^degree, and the degree is even
     rows = [_repeated([form[-1] % p in squares] * p, bound)]
     for b in range(1, p):
         inverse = pow(b, -1, p)
@@ -56,7 +56,7 @@ def _rows(form: list[int], p: int, bound: int) -> list[int]:
 
 
 def _repeated(pattern: list[bool], bound: int) -> int:
-    """An int of 2·bound + 1 bits, the pattern repeated."""
+    """The int of 2·bound + 1 bits whose bit i is ``pattern`` at i modulo its length."""
     size, count = len(pattern), 2 * bound // len(pattern) + 1
     once = sum(1 << i for i, bit in enumerate(pattern) if bit)
     every = ((1 << size * count) - 1) // ((1 << size) - 1)

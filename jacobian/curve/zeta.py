@@ -19,7 +19,7 @@ class ZetaFunction(NamedTuple):
     denominator: tuple[int, ...]
 
     def count_points(self, n: int = 1) -> list[int]:
-        """The numbers of points over GF(q), … GF(qⁿ): q^i + 1 less the power sums of the roots of Frobenius."""
+        """The numbers of points over GF(q), … GF(qⁿ): q^i + 1 − Σ α^i over the eigenvalues α of Frobenius."""
         n = whole(n, "n", f"the largest degree of the fields is an int, 1 … {MOST_COUNTS}", 1, MOST_COUNTS)
         q, sums = self.denominator[2], power_sums(self.numerator, n)
         return [q**i + 1 - sums[i] for i in range(1, n + 1)]
@@ -33,7 +33,7 @@ class ZetaFunction(NamedTuple):
 
 
 def power_sums(descending: Sequence[int], count: int) -> list[int]:
-    """0 and the sums of the first, second, … count-th powers of the roots of a monic polynomial (Newton's identities).
+    """[0, s_1, …, s_count], s_k the sum of the k-th powers of the roots of a monic polynomial (Newton's identities).
 
     ``descending``: its coefficients, 1 first.
     """

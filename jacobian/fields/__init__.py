@@ -26,8 +26,8 @@ def GF(p: SupportsIndex | type, k: int = 1, modulus: Coefficients | None = None)
 
     ``p`` is a prime, or a galois field class as the only argument. ``modulus``: ascending coefficients of a monic
     irreducible polynomial of degree k over GF(p); by default galois's Conway polynomial, or the first irreducible one
-    where its table has none. Elements are ints: in [0, p), or Σ c_i p^i for Σ c_i a^i. ArgumentError for a composite p,
-    a k that is not a positive int, or a reducible modulus.
+    where its table has none. Elements are ints: in [0, p), or Σ c_i p^i for Σ c_i a^i, a the root of the modulus.
+    ArgumentError for a composite p, a k that is not a positive int, or a reducible modulus.
     """
     if isinstance(p, type) and hasattr(p, "irreducible_poly"):
         return _from_galois(p)

@@ -89,8 +89,8 @@ def _check_exponent(exponent: int, value: Any, argument: str) -> None:
 
 
 def number(value: Any, argument: str) -> Any:
-    """``value`` as inexact fields read it: a string as :func:`rational` reads it (or None), an array without dimensions
-    as its entry, anything else unchanged. TypeError for bytes and other arrays.
+    """``value`` as inexact fields read it: a string as :func:`rational` reads it, which may be None, an array without
+    dimensions as its entry, anything else unchanged. TypeError for bytes and other arrays.
     """
     if isinstance(value, str):
         value = rational(value, argument)

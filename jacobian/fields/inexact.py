@@ -38,7 +38,7 @@ class InexactField(OperatorField[Element]):
         return x
 
     def _convert(self, value: Any, argument: str) -> Element:
-        """The element nearest to a number, perhaps infinite or NaN. Other values raise an exception of any class."""
+        """The element nearest to a number, perhaps infinite or NaN. Any exception means that ``value`` is no number."""
         raise NotImplementedError
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:

@@ -45,7 +45,7 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
         return poly.half_xgcd(self.base, self.modulus, x)[1]
 
     def sqrt(self, x: poly.Poly) -> poly.Poly:
-        """One square root of x, or NotASquare; if deg P = 1, or 2 in odd characteristic, from square roots in K."""
+        """One square root of x, or NotASquare. Square roots in K suffice if deg P = 1, or 2 in odd characteristic."""
         K = self.base
         if len(self.modulus) == 2 and x:
             return (K.sqrt(x[0]),)

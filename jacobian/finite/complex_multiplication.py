@@ -48,14 +48,14 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
 
 
 def _candidates(p: int, degree: int) -> Iterator[list[int]]:
-    """The characteristic polynomials of the 2ℓ possible π."""
+    """The characteristic polynomials of the 2ℓ elements of Z[ζ], ℓ = ``degree``, one of which is Frobenius."""
     from flint import fmpz_poly
 
     cyclotomic, x = fmpz_poly([1] * degree), fmpz_poly([0, 1])
     alpha = _generator(p, degree)
     pi = fmpz_poly([1])
     for t in range(1, (degree + 1) // 2):
-        # α_t is α at ζ^(1/t)
+        # the factor α_t of π is α with ζ^(1/t) in place of ζ
         pi = pi * alpha(x ** pow(t, -1, degree)) % cyclotomic
     for _ in range(degree):
         pi = pi * x % cyclotomic

@@ -1,8 +1,8 @@
 """The number of points of a curve over small fields, and the Frobenius polynomial that follows from it.
 
 In odd characteristic x is the abscissa of one point if h(x)² + 4f(x) = 0, and of two if this number is a non-zero
-square. Over fields of up to 2^20 elements tables of logarithms tell the squares. Over GF(q^i), q an odd prime, the norm
-to GF(q) tells them from 4096 elements on, up to 10^7. In characteristic 2, x is the abscissa of one point if h(x) = 0,
+square. Tables of logarithms decide what is a square, in fields of up to 2^20 elements. In GF(q^i), q an odd prime, of
+4097 to 10^7 elements, the norm to GF(q) decides. In characteristic 2, x is the abscissa of one point if h(x) = 0,
 and of two if h(x) ≠ 0 and the trace of f(x)/h(x)² is 0.
 """
 
@@ -116,7 +116,7 @@ def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
 def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
     """The number Σ (1 + χ(h² + 4f)) of affine points over GF(p^degree), χ being the quadratic character.
 
-    Elements are arrays of ascending coefficients, and χ is computed from the norm to GF(p).
+    Many elements are one list of ascending coefficients, each an array. χ is computed from the norm to GF(p).
     """
     import numpy as np
 
@@ -149,7 +149,7 @@ def _norm(value: list[Any], frobenius: list[poly.Poly], modulus: poly.Poly, p: i
 
 
 def _multiply(a: list[Any], b: list[Any], modulus: poly.Poly, p: int) -> list[Any]:
-    """The product of two arrays of elements of GF(p)[a]/(modulus), coefficient by coefficient."""
+    """The products of elements of GF(p)[a]/(modulus), given as lists of ascending coefficients, each an array."""
     size = len(a)
     total = [0] * (2 * size - 1)
     for i, x in enumerate(a):

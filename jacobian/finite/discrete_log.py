@@ -35,9 +35,9 @@ def discrete_log(
     """An m with m·base = target; NotAMultiple if there is none.
 
     With ``interval`` = (low, high) an m in low … high is searched for by baby steps and giant steps up to a width of
-    2^32, by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a
-    time. ``order``: a multiple of the order of ``base``, by default #J; ``primes``: its prime factors, by default
-    computed. Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
+    2^32, by kangaroos up to 2^48; no order is needed. Without an interval, m is the least non-negative one, found one
+    prime at a time. ``order``: a multiple of the order of ``base``, by default #J; ``primes``: its prime factors, by
+    default computed. Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
     """
     if target.jacobian != base.jacobian:
         raise CurveMismatch(f"base and target lie on two curves: {base.jacobian.curve!r} and {target.jacobian.curve!r}")
@@ -142,7 +142,7 @@ def _hunt(base: Divisor, target: Divisor, low: int, width: int, rng: Rng) -> int
     mean = isqrt(width) // 2 + 1
     lengths = [1 + random_below(rng, 2 * mean) for _ in range(32)]
     jumps = [length * base for length in lengths]
-    # one class in √width/64 to √width/32 is distinguished, so some hundred of the 2√width visited ones become traps
+    # one class in √width/64 to √width/32 is distinguished, so about 100 of the 2√width visited classes become traps
     mask = (1 << max(0, mean.bit_length() - 5)) - 1
     start = low + width // 2 + random_below(rng, mean)
     positions, distances = [start * base, target], [start, 0]

@@ -115,7 +115,7 @@ def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]]:
 
 
 def _first_column(K: Any, F: poly.Poly, g: int, index: int) -> list[Any]:
-    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0; F is the translate number ``index`` of g."""
+    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0, for number ``index`` of g polynomials F."""
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]

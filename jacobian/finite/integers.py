@@ -1,6 +1,6 @@
-"""Factoring integers: trial division, then python-flint: its quadratic sieve for numbers that this splits within a
-second, elliptic curves for longer ones. Infeasible names the cofactor that was not split. Every function that needs a
-factorization accepts the prime factors from the caller.
+"""Factoring integers: by trial division, then by python-flint. Its quadratic sieve splits numbers of up to
+MOST_COMPOSITE bits, elliptic curves split longer ones. Infeasible names the cofactor that was not split. Every function
+that needs a factorization accepts the prime factors from the caller.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class Products:
         return [int(c) % p for c in window[:count]]
 
     def _double(self, values: Any, room: Any) -> None:
-        """Writes the values of P(x) at x = 0, β, … (β − 1)β into ``values``."""
+        """Writes the product P(x) of the module's docstring at x = 0, β, …, (β − 1)β into ``values``."""
         n = FIRST
         kernels().direct(self.P, self.c, float(self.beta), n - 1, values, n, room_for(self.d))
         while n < self.beta:
@@ -81,8 +81,8 @@ class Products:
             in_ranges(n // BLOCK, max(64, n // BLOCK // 8), work)
 
     def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
-        """For each (a, array) of ``targets``, writes into the first n columns of the array the values at a, a + 1, …
-        (in units of β), from ``values``, those at 0, …, n − 1.
+        """Each row of ``values`` has the values of a polynomial at 0, β, …, (n − 1)β. For each (a, array) of
+        ``targets`` the values of these polynomials at aβ, (a + 1)β, … are written to the first n columns of the array.
         """
         n, work = values.shape[1], self.convolutions
         weights = np.empty(n)
@@ -116,7 +116,7 @@ def compiled() -> None:
 
 
 def step(p: int, d: int) -> int:
-    """The β with the least work that fits into memory."""
+    """The β of the module's docstring: the power of 2 with the least work for which the values fit into memory."""
     largest = min(LONGEST // 2, MEMORY // (16 * d * d))
     sizes = (1 << m for m in range(FIRST.bit_length() - 1, largest.bit_length()))
     return min((beta for beta in sizes if 4 * beta < p), key=lambda beta: transforms(p, beta))

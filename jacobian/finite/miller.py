@@ -130,7 +130,7 @@ class EllipticFunctions:
         return self._pair(self._lead * x, self._lead * height)
 
     def __call__(self, D: Divisor, E: Divisor, m: int) -> tuple[bool, int, int]:
-        """(whether m·D = 0, numerator, denominator) of the value at the point of E of Miller's function for D and m.
+        """Whether m·D = 0, and the numerator and the denominator of Miller's function for D and m at the point of E.
 
         D and E are not 0. If the numerator or the denominator is 0, another representative of E is needed.
         """

@@ -134,7 +134,7 @@ def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Rng | None) -> Any:
-    """The value of a pairing with the first random shifts of degree g that cause no collision."""
+    """The value of a pairing with the first random shifts of degree g for which no :class:`_Collision` is raised."""
     rng = Random(0) if rng is None else rng
     J = move.curve.jacobian()
     for _ in range(ATTEMPTS):
@@ -194,7 +194,7 @@ def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
 
 
 def _step(law: FlintCantor, composed: Any, places: Any, values: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
-    """The composed divisor after its reduction, and ``values`` multiplied by the functions of this step.
+    """The composed divisor, reduced, and ``values`` multiplied by the functions of this step of Miller's loop.
 
     ``values`` are pairs (numerator, denominator), one for each of the ``places`` (u, v), modulo u and with y = v.
     """

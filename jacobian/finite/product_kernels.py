@@ -20,8 +20,8 @@ BLOCK = 64
 
 
 class Room(NamedTuple):
-    """Scratch memory of a loop over blocks of points, for d × d matrices: arrays of BLOCK, d·BLOCK, and twice d²·BLOCK
-    numbers.
+    """Scratch memory of a loop over blocks of points, for d × d matrices: arrays of BLOCK and d·BLOCK numbers, and
+    two of d²·BLOCK.
     """
 
     k: Any
@@ -133,7 +133,7 @@ def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
 
 
 def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room: Any) -> None:
-    """Writes M(x + steps)·…·M(x + 1) at the first ``points`` of x = 0, β, 2β, … into ``values``."""
+    """Writes M(x + steps)·…·M(x + 1), M of this module, at the first ``points`` of x = 0, β, 2β, … to ``values``."""
     k, row, S, d = room.k, room.row, room.S, c.shape[1]
     for begin in range(0, points, BLOCK):
         for e in range(d * d):
@@ -150,7 +150,9 @@ def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room
 
 
 def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: Any, room: Any) -> None:
-    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end; ``span`` = (begin, end), multiples of BLOCK."""
+    """Replaces ``values`` by upper·M(x + middle)·values at x = iβ, begin ≤ i < end, with the M(k) of :func:`_step`.
+    ``span`` = (begin, end), multiples of BLOCK.
+    """
     k, row, S, U, d = room.k, room.row, room.S, room.U, c.shape[1]
     begin, end = span
     for first in range(begin, end, BLOCK):
@@ -173,7 +175,9 @@ def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: 
 
 
 def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
-    """Multiplies ``window`` by ``values`` at iβ, then by M((i + 1)β), for ``points`` indices i from ``first`` on."""
+    """For i = ``first``, ``first`` + 1, …, multiplies ``window`` by the product at the point iβ, then by M((i + 1)β).
+    ``values`` has the products at ``points`` points, that at ``first``·β in its first column.
+    """
     d = c.shape[1]
     for i in range(points):
         for r in range(d):

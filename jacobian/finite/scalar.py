@@ -101,7 +101,7 @@ def straus_cost(terms: int, bits: int) -> int:
 
 
 def pippenger_cost(terms: int, bits: int, window: int) -> int:
-    """The group operations of :func:`pippenger`: ``bits`` doublings; in each window one per term and one per bucket."""
+    """The number of sums in :func:`pippenger`: ``bits`` doublings; in each window one per term and one per bucket."""
     return bits + (bits // window + 1) * (terms + (1 << (window - 1)))
 
 

@@ -56,7 +56,7 @@ class Candidates:
     modulus: int
 
     def interval(self, r: tuple[int, ...]) -> tuple[int, int]:
-        """Bounds of the next r_k after r, from r_1²/g ≤ Σ x_i² ≤ 4gq for the roots x_i and Maclaurin's inequality."""
+        """Bounds of the r_k after r, from r_1²/g ≤ Σ x_i² ≤ 4gq for the roots x_i of R and Maclaurin's inequality."""
         k, g = len(r), self.genus
         if k == 1:
             bound = isqrt(4 * g * g * self.q)
@@ -68,7 +68,7 @@ class Candidates:
         return -bound, bound
 
     def values(self, r: tuple[int, ...]) -> range:
-        """The r_k that may follow r, in arithmetic progression."""
+        """The values of the next coefficient that may follow r = (1, r_1, …), in arithmetic progression."""
         low, high = self.interval(r)
         residue = self.residues[len(r) - len(self.known)]
         return range(low + (residue - low) % self.modulus, high + 1, self.modulus)
@@ -83,7 +83,7 @@ class Candidates:
             yield from self.prefixes((*r, value))
 
     def last(self, prefix: tuple[int, ...]) -> range:
-        """The values of r_g that may follow a prefix (1, r_1 … r_(g−1))."""
+        """The values of r_g, the last coefficient of R, that may follow ``prefix`` = (1, r_1, …, r_(g−1))."""
         return range(self.known[-1], self.known[-1] + 1) if len(self.known) > self.genus else self.values(prefix)
 
     def size(self) -> int:
@@ -97,7 +97,7 @@ class Candidates:
         return total
 
     def matching(self, sides: tuple[Side, Side]) -> Iterator[list[int]]:
-        """Yields the R for which the known ``divisor`` of each side divides the order of that side."""
+        """Yields the candidates R such that on both sides the known ``divisor`` divides :meth:`Side.order`."""
         first, second = sorted(sides, key=lambda side: -side.divisor)
         for prefix in self.prefixes():
             constant, sign = first.constant(prefix, self.q)
@@ -141,11 +141,13 @@ class Side:
         self._groups: dict[int, PrimaryGroup] = {}
 
     def order(self, r: list[int], q: int) -> int:
-        """The order of the Jacobian if R = z^g + r_1 z^(g−1) + …: R(1 + q), for the twist (−1)^g R(−1 − q)."""
+        """The order of ``J`` if the curve has the R = z^g + r_1 z^(g−1) + … of :mod:`jacobian.finite.weil`: R(1 + q)
+        for the curve, (−1)^g R(−1 − q) for the twist.
+        """
         return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
 
     def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:
-        """(a, s) such that the order of the candidate with this prefix is a + s·r_g."""
+        """(a, s) such that :meth:`order` is a + s·r_g for the coefficients ``prefix``, r_g of R."""
         return self.order([*prefix, 0], q), self.sign ** len(prefix)
 
     def learn(self, D: Divisor, candidates: Candidates) -> None:
@@ -157,7 +159,7 @@ class Side:
             self.divisor = lcm(self.divisor, self.exponent)
 
     def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
-        """The R whose orders annihilate D, or None if there are more than _FEW."""
+        """The candidates R whose orders annihilate D, or None if there are more than _FEW."""
         found = list(islice(self._annihilating(D, candidates), _FEW + 1))
         return found if len(found) <= _FEW else None
 
@@ -197,11 +199,11 @@ class Side:
 def search(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius of C, ascending.
 
-    Counting takes O(q) operations, the matrix O(g·p), or Õ(√p) from p = 2^20 on, and the search the square root of the
-    number of candidates. Together they take seconds for prime fields up to 10^9 in genus 2 and 3 and up to 10^3 in
-    genus 4, and half a minute at 10^12 in genus 2. In genus 1 there is only the search, O(q^(1/4)) over any field
-    (Mestre's method, Schoof 1995). Infeasible from genus 2 on for prime q above 2^49 and other q above 2^20, and where
-    more than 10^12 candidates are left.
+    Counting takes O(q) operations. The Cartier–Manin matrix takes O(g·p), or Õ(√p) from p = 2^20 on, and the search the
+    square root of the number of candidates. Together they take seconds for prime fields up to 10^9 in genus 2 and 3
+    and up to 10^3 in genus 4, and half a minute at 10^12 in genus 2. In genus 1 there is only the search, O(q^(1/4))
+    over any field (Mestre's method, Schoof 1995). Infeasible from genus 2 on for prime q above 2^49 and other q above
+    2^20, and where more than 10^12 candidates are left.
     """
     candidates = _candidates(C)
     rng = Random(0)
@@ -294,7 +296,7 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
     q: Any = C.field.order
     g = C.genus
     known = weil.real_part(weil.leading(excess), q, g)
-    # r_i ≡ a_i (a coefficient of χ) modulo p: their difference is a multiple of q
+    # the coefficients r_i of R and a_i of χ differ by a multiple of q, so their residues modulo p are equal
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
     return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
 

@@ -45,10 +45,9 @@ def _two_rank(C: HyperellipticCurve) -> int:
 
 def is_supersingular(C: HyperellipticCurve) -> bool:
     """Whether the Newton polygon of the characteristic polynomial of Frobenius over GF(p^k) is the line of slope k/2:
-    p^⌈ik/2⌉ divides the coefficient of
-    T^(2g−i) for all i.
+    p^⌈ik/2⌉ divides the coefficient of T^(2g−i) for all i.
 
-    In characteristic 2 and genus 1 or 2 the p-rank decides, because it is 0 for no other polygon.
+    In characteristic 2 and genus 1 or 2 the p-rank decides: no other polygon has the p-rank 0.
     """
     K: Any = C.field
     p, g = K.characteristic, C.genus

@@ -70,8 +70,8 @@ class Structure(NamedTuple):
                 raise NotAMultiple(f"D = {shown(D)} is no sum of multiples of the generators")
             for place, c, exponent in zip(places, coordinates, group.exponents, strict=True):
                 part, d = prime**exponent, self.invariants[place]
-                # c belongs to exponent/power times D; the generator of the part of order prime^exponent is d/part times
-                # that of the group
+                # c is a coordinate of (self.exponent/power)·D: divided by this factor modulo ``part``, it is one of D.
+                # The coordinate belongs to d/part times generator number ``place``, an element of order ``part``
                 c = c * pow(self.exponent // power, -1, part) % part
                 found[place] = (found[place] + c * (d // part)) % d
         return tuple(found)

@@ -37,7 +37,7 @@ def real_part(a: list[int], q: int, g: int) -> list[int]:
 
 
 def from_real_part(r: list[int], q: int) -> list[int]:
-    """χ, ascending, from ``r`` = 1, r_1 … r_g, the coefficients of R, descending."""
+    """The coefficients of χ, ascending, from ``r`` = 1, r_1 … r_g, those of R, descending (top of this file)."""
     g = len(r) - 1
     a = [sum(comb(g - i + 2 * j, j) * q**j * r[i - 2 * j] for j in range(i // 2 + 1)) for i in range(g + 1)]
     return from_leading(a, q)

@@ -3,9 +3,9 @@
 A pair (u, v) with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition
 adds leans, and its reduction steps preserve them except where y − v vanishes at infinity. In odd genus a class D in
 general position is represented by g points with the lean −1. Cantor's steps reduce a sum of two such classes to g + 1
-points with the lean −2. The opposite of a class is represented by g points with the lean 1. Let P be the polynomial
-part of √f at ∞₊. One more step leads to g points with the lean −1: with y + P from the g + 1 points of a sum, with
-y − P from the g points of an opposite (Galbraith, Harrison and Mireles Morales 2008).
+points with the lean −2. The opposite of a class is represented by g points with the lean 1. From both, one more step
+leads to g points with the lean −1. Let P be the polynomial part of √f at ∞₊. The step uses y + P for a sum, y − P for
+an opposite, up to lower terms (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from jacobian.numbers.roots import root
 
 
 class Infinity(NamedTuple):
-    """The argument ``infinity`` of :func:`reduced`. ``lean``: the sum of the leans of the summands, which
-    :mod:`jacobian.inexact.at_infinity` defines; ``plus``: a number with the phase of (y + h/2)/x^(g+1) at ∞₊.
+    """The argument ``infinity`` of :func:`reduced`. ``lean``: the sum of the summands' leans
+    (:mod:`jacobian.inexact.at_infinity`); ``plus``: a number with the phase of (y + h/2)/x^(g+1) at ∞₊.
     """
 
     lean: int
@@ -39,8 +39,8 @@ def weight_of(genus: int, degree: int, lean: int) -> int:
 
 
 def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
-    """The reduced pair of the class of ``total``, whose u has a degree ≤ g + 1, and the largest remainder of a division
-    on the way, relative to its terms. These remainders would be 0 without rounding.
+    """The reduced pair in the class of ``total``, a pair with deg u ≤ g + 1; and the largest remainder of the divisions
+    on the way, relative to its terms. Without rounding all these remainders would be 0.
     """
     u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
     plus = principal_part(genus, f, infinity.plus)

@@ -24,8 +24,8 @@ from jacobian.inexact.stacked import Pair, Total
 
 Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 
-# the field's own digits are tried if f at the smallest point and its leading coefficient are at least 2^−SPREAD, in
-# units in which |x| ≤ 1 at all points and f is of size 1 at |x| = 1
+# the field's own digits are tried if the leading coefficient of f, and the largest term of f at the smallest |x| of a
+# point, are at least 2^−SPREAD in units in which |x| ≤ 1 at all points and f is of size 1 at |x| = 1
 SPREAD = 24
 # the largest remainder of a division that counts as rounding, in units of the last digit
 REMAINDER = 64
@@ -62,7 +62,7 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
     units = units_of(K, curve.f, curve.h, pairs)
-    # −h/2 lies midway between the values of y at ∞₊ and ∞₋, so half their difference is the value of y + h/2 at ∞₊
+    # y/x^(g+1) at ∞₊ and ∞₋ has the mean −h/(2x^(g+1)), so half the difference of both is (y + h/2)/x^(g+1) at ∞₊
     plus = curve.infinity_plus - curve.infinity_minus
     infinity = Infinity(lean, complex(plus / abs(plus)))
     total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
@@ -72,8 +72,8 @@ def _split(curve: Any, *summands: Triple) -> Triple:
 def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Total, Number]:
     """The reduced sum of zero, one or two pairs, and the largest relative remainder of its divisions.
 
-    ``infinity`` has the sum of the leans of the pairs (:mod:`jacobian.inexact.at_infinity`), and the direction in ℂ of
-    the value of y + h/2 at ∞₊.
+    ``infinity`` has the sum of the leans of the pairs (:mod:`jacobian.inexact.at_infinity`), and the phase of
+    (y + h/2)/x^(g+1) at ∞₊.
     """
     rest = field.zero
     if len(pairs) == 2:
@@ -88,7 +88,7 @@ def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: 
 
 
 def negated(curve: Any, D: Triple) -> Triple:
-    """The reduced triple of −D on a split model of odd genus, from the pair (u, v) of −D."""
+    """The reduced triple of −E for a class E on a split model of odd genus; D is a triple of −E that is not reduced."""
     return _split(curve, D)
 
 
@@ -121,7 +121,7 @@ class Units(NamedTuple):
     at_zero: bool
 
     def of_u(self, u: Sequence[Any], move: Any, sign: int = -1) -> Coefficients:
-        """u in these units; ``move(c, bits)`` scales a coefficient. ``sign=1`` converts back."""
+        """u in these units; ``move(c, bits)`` is c·2^bits. ``sign=1`` converts back."""
         return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
 
     def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:
@@ -193,8 +193,8 @@ def _returned(
 
 
 def _even(f: Coefficients, units: Units) -> bool:
-    """Whether the value of f at the smallest point and the leading coefficient of f are at least 2^−SPREAD in the units
-    of the points.
+    """Whether the leading coefficient of f, and the largest term of f at the smallest |x| of a point, are at least
+    2^−SPREAD; f is in ``units``.
     """
     depth, least = units.low - units.x, 2.0**-SPREAD
     at_low = max(abs(c) * 2.0 ** max(depth * i, -1000) for i, c in enumerate(f))

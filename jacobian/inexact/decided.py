@@ -43,7 +43,7 @@ Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Total, Any]]
 
 
 class Question(NamedTuple):
-    """A number that a pass compared with zero.
+    """A number that a :class:`Pass` compared with zero.
 
     ``of_degree``: whether the answer decides a degree; otherwise it decides whether points are opposite.
     """
@@ -91,7 +91,8 @@ class Passes:
     """The passes that compute one sum of pairs (u, v), to be used inside ``with digits:``.
 
     The pairs belong to y² + 2·half·y = curve − half², and are moved to Y² = curve with Y = y + half. ``even``: whether
-    all sizes are moderate. ``law(field, curve, pairs)`` returns a sum and the largest remainder of its divisions.
+    the points have similar sizes, and the coefficients of the curve too. ``law(field, curve, pairs)``
+    returns a sum and the largest remainder of its divisions.
     """
 
     def __init__(
@@ -141,7 +142,7 @@ class Passes:
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
         """The summands with every coefficient changed at random by about ``part`` of its size, moved onto the curve.
 
-        The size is at least ``floor`` times the size that it would have if all points were as large as the largest.
+        Each coefficient counts as at least ``floor`` times as large as if all points were as large as the largest.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]
@@ -160,7 +161,7 @@ class Passes:
 
 
 class Compared(NamedTuple):
-    """Three passes with the same answers, from different summands.
+    """Three passes that compute one sum and count the same quantities as zero, from different summands.
 
     ``first``: the summands themselves; ``near``: the summands moved in the last working bits; ``rounded``: the summands
     moved as far as the field's rounding moves a sum.
@@ -187,7 +188,9 @@ class Compared(NamedTuple):
         return None
 
     def clear(self, least: float) -> bool:
-        """Whether the sum is known to all but its last digits, and every number that counted as nonzero is resolved."""
+        """Whether the sum is known to all but its last digits, and every number that counted as nonzero exceeds its
+        error by the factor RESOLVED.
+        """
         asked = zip(self.first.questions, self.near.questions, self.first.answers, strict=True)
         return (
             all(zero or abs(x) >= RESOLVED * abs(x - y) for (x, _), (y, _), zero in asked)
@@ -197,7 +200,9 @@ class Compared(NamedTuple):
         )
 
     def check(self, least: float) -> None:
-        """Raises PrecisionLoss if rounding leaves the points of the sum unknown, MoreDigits if it is not resolved."""
+        """Raises PrecisionLoss if rounding of the summands leaves the points of the sum unknown, MoreDigits if the
+        working precision does.
+        """
         asked = zip(self.first.questions, self.first.answers, strict=True)
         dropped = max((abs(x) for (x, _), zero in asked if zero), default=0)
         if (self.first.rest > self.digits.floor >= dropped) or not self._resolved():

@@ -75,9 +75,9 @@ class Digits:
 def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, even: bool, known: Any = None) -> Pair:
     """The pair (u, v + half mod u) on y² = f near the given (u, v), by Newton's method with steps of least length.
 
-    The length of a step is measured relative to the sizes of the coefficients. If all sizes are moderate (``even``),
-    the unit of a coefficient is at least the last bit of its size in :func:`places`. The iteration ends with a step
-    shorter than ``known``, by default the working precision.
+    The length of a step is measured in units, one for each coefficient: its absolute value if that is not 0. If neither
+    the points nor the coefficients of f are of very different sizes (``even``), the unit is at least the last bit of
+    the size in :func:`places`. The iteration ends with a step shorter than ``known``, by default the working precision.
     """
     (u, v), size, last = map(list, pair), None, digits.own_eps
     m, known = len(u) - 1, known or digits.eps

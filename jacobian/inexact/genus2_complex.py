@@ -124,10 +124,10 @@ def slope(a: Four, b: Four, r: Four) -> tuple[Number, Number, Number]:
     r0, r1, r2, r3 = r0 - dot_r * h, r1 - dot_r * a1, r2 - dot_r * a2, r3 - dot_r * a3
     rest = square(b1) + square(b2) + square(b3)
     overlap = b1.conjugate() * r1 + b2.conjugate() * r2 + b3.conjugate() * r3
-    # the unknowns are overlap/rest and (r0 − b0·overlap/rest)/(−norm). They are returned times q = rest·norm, so that
-    # nothing is divided by q, which is 0 for opposite points
+    # the triangular system has the solutions overlap/rest and (b0·overlap/rest − r0)/norm. They are returned times
+    # q = rest·norm, so that nothing is divided by q, which is 0 for opposite points
     if size + sqrt(rest) / 16 == size:
-        # for opposite points, up to rounding, the result is the null vector of the triangular system
+        # for opposite points, up to rounding, the result is a null vector of the system
         rest, overlap = 0 * rest, 1 + 0 * overlap
     second, first, q = overlap * norm, b0 * overlap - r0 * rest, rest * norm
     if swap:
@@ -201,7 +201,7 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     # if size = 0, only the equation of the curve determines V''
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
-    # two Newton steps towards the curve, along the direction that the rows determine least
+    # two Newton steps towards the curve, in the direction of (c0, c1) that the linear system determines least
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, lean, size / scale)
     return c0, c1
@@ -210,9 +210,9 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
 def newton_step(
     f: Seven, b0: Number, b1: Number, c0: Number, c1: Number, lean: Number, noise: Any
 ) -> tuple[Number, Number]:
-    """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
+    """(c0, c1) + t·(lean, 1): a Newton step for V''² ≡ f modulo U'', V'' = c0 + c1·x, U'' = x² + b1·x + b0.
 
-    V'' = c0 + c1·x. t is reduced where the equation has more rounding noise than the linear system that gave V''.
+    t is reduced where the equation has more rounding noise than the linear system that gave V''.
     """
     sizes = square(c0) + square(c1)
     doubt = noise * (sizes * sizes + square(f[0]) + square(f[1]))

@@ -180,7 +180,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     # if size = 0, only the equation of the curve determines V''
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
-    # two Newton steps towards the curve, along the direction that the rows determine least
+    # two Newton steps towards the curve, in the direction of (c0, c1) that the linear system determines least
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, y0 / norm, size / scale)
     return c0, c1
@@ -189,7 +189,8 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
 def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, noise: Real) -> tuple[Real, Real]:
     """(c0, c1) + t·(lean, 1), nearer to V''² ≡ f modulo U'' by one Newton step.
 
-    V'' = c0 + c1·x. t is reduced where the equation has more rounding noise than the linear system that gave V''.
+    U'' = x² + b1·x + b0 and V'' = c1·x + c0. t is reduced where the equation has more rounding noise than the linear
+    system that gave V''.
     """
     f0, f1, f2, f3, f4, f5 = f
     square = c0 * c0 + c1 * c1
@@ -199,7 +200,7 @@ def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, nois
     e4 = f2 - c1 * c1 - b1 * e3 - b0 * e2
     d1 = f1 - 2 * c0 * c1 - b1 * e4 - b0 * e3
     d0 = f0 - c0 * c0 - b0 * e4
-    # with d = f − V''² mod U'' a step by t leaves d − t·J, J = 2·V''·(lean + x) mod U''
+    # if t·(lean + x) is added to V'', d = f − V''² mod U'' becomes about d − t·J, J = 2·V''·(lean + x) mod U''
     top = 2 * c1
     j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
     step = (j0 * d0 + j1 * d1) / (j0 * j0 + j1 * j1 + doubt)

@@ -69,7 +69,7 @@ class LongField(InexactField):
         return (*map(self.sub, a, b), *(a[len(b) :] or map(self.neg, b[len(a) :])))
 
     def poly_mul(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, ...]:
-        """a·b of polynomials, with little overhead for each product."""
+        """a·b of polynomials."""
         return tuple(product(a, b))
 
     def poly_divmod(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -43,7 +43,7 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
-# a p that is smaller than U has lost digits by cancellation: the returned remainder is at least ε|U|/(FEWER·|p|)
+# in p = q·V + U·L digits cancel if |p| < |U|; the remainder that :func:`compose` returns is at least ε|U|/(FEWER·|p|)
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
@@ -129,10 +129,7 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
 
 
 def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> tuple[Coefficients, Number]:
-    """p and q with leading terms set to zero where they are rounding noise.
-
-    Degrees are decided only here and where the result is divided by its leading coefficient.
-    """
+    """p and q with leading terms set to zero where they are rounding noise."""
     scale = max(size(p), abs(q) * size(f) ** 0.5)
     p = list(p)
     while 2 * len(p) - 1 > len(f) and field.is_zero(p[-1], scale):
@@ -164,9 +161,8 @@ def _monic_quotient(
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
     """The change of the lean (:class:`Total`) by a function y − w that vanishes at infinity.
 
-    ``lead`` is the leading coefficient of w.
-
-    ``psi`` is proportional to w² − f; its leading coefficients, which are then zero, are removed.
+    ``lead`` is the leading coefficient of w. ``psi`` is proportional to w² − f, whose leading coefficients are zero;
+    they are removed from ``psi``.
     """
     if plus is None:
         raise NotRepresentable(_AT_INFINITY)
@@ -225,7 +221,9 @@ def _second_polynomial(
 def _reduction_step(
     field: Any, f: Coefficients, u: Coefficients, v: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Coefficients, int]:
-    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the change of the lean."""
+    """The pair after one step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and the change of its lean
+    (:mod:`jacobian.inexact.at_infinity`).
+    """
     scale = max(size(v), size(f) ** 0.5)
     v = list(v)
     while v and field.is_zero(v[-1], scale):

@@ -157,7 +157,7 @@ class Divisor(Immutable, Generic[Element]):
             raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
         if self.n is not None and J.curve.model == "inert" and 2 * self.n + self.degree != J.curve.genus:
             raise FieldError(f"K = {J.field.name}: {self!r} has unlike weights at ∞₊ and ∞₋, which are conjugate there")
-        # n is None if an inert model becomes split; from_mumford gives ∞₊ and ∞₋ the equal weights of that model
+        # on an inert model n is None; where the model becomes split, from_mumford gives ∞₊ and ∞₋ equal weights
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:

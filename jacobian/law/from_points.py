@@ -106,8 +106,8 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     C = J.curve
     often = {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
     if often and descent is None:
-        # 2k copies of a point are added as k times the class of 2P. n contains −(number of points)/2, so leaving them
-        # out adds k to it
+        # 2k copies of a point P are added as k times the class of 2P. The weight n at ∞₊ falls by 1/2 for each point
+        # (:func:`divisor_of_points`), so without these 2k points it is larger by k
         rest = list((Counter(points) - Counter({point: 2 * k for point, k in often.items()})).elements())
         total = _exact_sum(J, rest, None if n is None else n + sum(often.values()), None)
         for point, k in often.items():

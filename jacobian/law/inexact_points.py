@@ -75,8 +75,8 @@ def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[Affine
 
 
 def _on_curve(digits: Any, y: Any, square: Any) -> Any:
-    """The root of ``square`` near y, by Newton's method; y itself if y² and ``square`` differ by more than rounding,
-    as they may near a branch point.
+    """The square root of ``square`` near y, by Newton's method; y itself if y² and ``square`` differ by more than
+    rounding, as they may near a branch point.
     """
     if abs(square - y * y) > NEAR * digits.own_eps * abs(y * y):
         return y

@@ -1,7 +1,7 @@
 """Uniform random divisor classes, and lists of all classes, over finite fields.
 
 Each class has exactly one reduced triple (u, v, n). For a given u = Π P^e, P irreducible, the number of v is a product
-over the P. Its factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
+over the P. The factor is 2 if y² + hy − f has two roots modulo P, 1 if it has a double root and e = 1, otherwise 0. So
 rejection gives a uniform class: draw the degree d of u with weight (2q)^d times the number of n, draw u uniformly among
 the monic polynomials of degree d, and keep u with probability (number of v)/2^d. Sums of rational points may reach only
 a subgroup.
@@ -76,8 +76,8 @@ def _by_places(J: GroupLaw, rng: Rng) -> Divisor:
         above, below = (2 * g - 2) * (root + 1) + own, q**k - 1 - 2 * g * (root + 1) - own
         if 8 * above < below:
             break
-    # a place lowers the bound √#J·ε^t/2 by log₂(below/above) bits, and √#J ≤ (1 + √q)^g. Inert models need an even
-    # number of places
+    # the bound √#J·ε^t/2 for t places (:mod:`jacobian.law.sampling`) has ε = above/below, and √#J ≤ (1 + √q)^g. Inert
+    # models need an even number of places
     places = ceil((g * log2(1 + q**0.5) + DISTANCE) / log2(below / above) / 2) * 2
     degree = k * round(log(q, K.characteristic))
     L = GF(K.characteristic, degree, first_irreducible(prime_field(K.characteristic), degree))
@@ -123,8 +123,8 @@ def _try_random(J: GroupLaw, rng: Rng) -> Divisor | None:
             break
     threshold = random_below(rng, 1 << degree)
     u = poly.random(K, degree, rng, monic=True)
-    # u has at most 2^r polynomials v, r the number of its irreducible factors. Their degree is 1 or at least 2, so the
-    # number of linear factors bounds r: enough to reject most u without a complete factorization
+    # u has at most 2^r polynomials v, r the number of its irreducible factors. Factors that are not linear have degree
+    # 2 or more, which bounds r: enough to reject most u without a complete factorization
     if degree > 1:
         linear = len(linear_part(K, u)) - 1
         if 1 << (linear + (degree - linear) // 2) <= threshold:

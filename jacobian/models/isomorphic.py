@@ -143,7 +143,7 @@ def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
     if k == 1:
         (x, y), (z, w) = (_rational_point(K, place) for place in (P, Q))
         return [[[K.mul(x, w), K.mul(y, w), K.neg(K.mul(x, z)), K.neg(K.mul(y, z))]]]
-    # over GF(p) the factor itself serves as the modulus of L
+    # over GF(p) the polynomial of P serves as the modulus of L
     L = GF(K.characteristic, k, P[1]) if K.degree == 1 else GF(K.characteristic, K.degree * k)
     inclusion = embedding(K, L)
     alpha = roots(L, inclusion.polynomial(P[1]))[0]
@@ -210,7 +210,7 @@ def _lifted(p: int, forms: tuple[list[int], list[int]], matrix: Matrix, height: 
     top = next(i for i, c in enumerate(F) if c % p)
     numbers = [*matrix, moved[top] * pow(F[top], -1, p) % p]
     slopes = _slopes(G, size, matrix)
-    # the unknowns are the three entries other than the fixed 1, and λ
+    # the unknowns are the three entries other than the fixed 1, and the factor c in (the transformed G) = cF
     system = [[*(slopes[i][j] % p for i in free), -_entry(F, j) % p] for j in range(size + 1)]
     while modulus <= 2 * height**2 * p:
         found = _fractions(numbers[:4], modulus)
@@ -233,7 +233,7 @@ def _moved(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[Any]
 
 
 def _slopes(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[list[Any]]:
-    """The derivatives of :func:`_moved` by a, b, c and d."""
+    """The derivatives of :func:`_moved` by the entries a, b, c and d of ``matrix``."""
     above = [i * c for i, c in enumerate(form)][1:]
     below = [(degree - i) * c for i, c in enumerate(form)][:degree]
     rows = []

@@ -180,7 +180,7 @@ class Isomorphism(Immutable):
         return Isomorphism(other.source, matrix, K.mul(self.scale, other.scale), move, plus)
 
     def _value(self) -> tuple[object, ...]:
-        """The matrix up to scaling: (λM, λ^(g+1)e, λ^(g+1)t) is the same map."""
+        """The matrix M, e and t scaled: (λM, λ^(g+1)e, λ^(g+1)t) is the same map; λM begins with 1, or with 0 and 1."""
         K = self.source.field
         unit = K.inv(next(x for x in self.matrix if not K.is_zero(x)))
         power = _power(K, unit, self.source.genus + 1)

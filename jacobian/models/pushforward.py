@@ -41,11 +41,11 @@ class Family:
         return poly.mod(self.field, a, self.u)
 
     def times(self, a: poly.Poly, b: poly.Poly) -> poly.Poly:
-        """The product in A."""
+        """The product a·b in A = K[t]/u."""
         return self.reduced(poly.mul(self.field, poly.trim(self.field, a), poly.trim(self.field, b)))
 
     def over(self, a: poly.Poly, b: poly.Poly) -> poly.Poly | None:
-        """The quotient a/b in A; None where b is no unit."""
+        """The quotient a/b in A = K[t]/u; None where b is no unit."""
         if not b:
             return None
         common, inverse = poly.half_xgcd(self.field, self.u, b)
@@ -76,7 +76,7 @@ class Family:
         return poly.trim(K, poly.add(K, poly.sub(K, first, poly.scale(K, b, mixed)), poly.scale(K, c, last)))
 
     def trace(self) -> poly.Poly | None:
-        """The polynomial V, by a linear system; None if the U_t for both roots t of u have a common root."""
+        """The V over K with V ≡ V_t modulo U_t, by a linear system; None if the U_t of both t have a common root."""
         K, size = self.field, len(self.modulus) - 1
         columns, power = [], [(K.one,), *[()] * (size - 1)]
         for _ in range(2 * size):
@@ -92,8 +92,8 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# describes a correspondence. Arguments: a field L ⊇ K, the map K[x] → L[x], u, v over L; result: the Family of the
-# images of the points of (u, v), or None if they are not defined
+# a correspondence, as a function of a field L ⊇ K, the map K[x] → L[x], and u, v over L. Its result is the Family of
+# the images of the points of (u, v), or None if they are not defined
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 
@@ -121,7 +121,7 @@ def _fields(K: Any) -> Iterator[Any]:
 
 
 def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callable[[Any], Any]) -> Divisor | None:
-    """The image of D, or of D + R minus that of R for a class R; None if no R has both in general position."""
+    """The image of D, or that of D + R minus that of R for a class R; None if for no R tried both are defined."""
 
     def image(R: Divisor) -> Divisor | None:
         """The image of a class P + Q minus infinity with P and Q in general position."""

@@ -67,7 +67,7 @@ class RichelotIsogeny(Immutable):
         factor = family.over(poly.mul(L, g1, move((self.determinant,))), v)
         if factor is None or not family.set_modulus(form):
             return None
-        # V_t = D·G₁(t)/v(t) · H₁(X)(t − X)
+        # V_t = D·G₁(t)/v(t) · H₁(X)(t − X) with D = ``determinant``
         rising = [family.times(family.generator, x) for x in h1]
         cubic = [poly.sub(L, x, y) for x, y in zip([*rising, ()], [(), *h1], strict=True)]
         family.set_value([family.times(factor, c) for c in cubic])
@@ -84,8 +84,8 @@ class RichelotIsogeny(Immutable):
 
 
 class DualIsogeny(Immutable):
-    """The map back from the target of a Richelot isogeny, of determinant D: the Richelot isogeny of the quadratics
-    D·H₁, H₂, H₃, followed by y → −y/(4D⁴).
+    """The map back from the target Y² = D·H₁H₂H₃ of a Richelot isogeny (:mod:`jacobian.models.richelot`): the Richelot
+    isogeny of the quadratics D·H₁, H₂, H₃, followed by y → −y/(4D⁴).
     """
 
     def __init__(self, forward: RichelotIsogeny) -> None:
@@ -209,7 +209,7 @@ def _pairings(rest: list[int]) -> Iterator[list[tuple[int, int]]]:
 def kernel(C: HyperellipticCurve, quadratics: Quadratics) -> list[Divisor]:
     """The classes of the points over the roots of each G_i in the Jacobian of C."""
     K, J = C.field, C.jacobian()
-    # on a split model infinity is no branch point, so the G_i have degree 2; n = 0 means minus ∞₊ + ∞₋
+    # on a split model infinity is no branch point, so the G_i have degree 2, and n = 0 subtracts ∞₊ and ∞₋
     n = 0 if C.model == "split" else None
     return [J._reduced(poly.monic(K, G), (), n) for G in quadratics]
 
@@ -251,5 +251,5 @@ def _to_squares(K: Field, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
             f"field = {K.name}: the elliptic curves are conjugate, over the field of the roots of "
             f"{poly.text(K, jacobian)}: C.change_ring takes C there"
         )
-    # with a single root s₂ is ∞
+    # if the Jacobian determinant has a single root, this is s₁, and s₂ = ∞
     return K.one, K.neg(fixed[0]), *((K.zero, K.one) if degree == 1 else (K.one, K.neg(fixed[1])))

@@ -39,7 +39,7 @@ def in_one_instruction(b: Operators, x: Value, y: Value) -> Value | None:
 
 
 def times(b: Any, x: str, y: str) -> str:
-    """The product of two polynomials over GF(2) of degree below 64: longs of 128 bits whose upper halves are 0."""
+    """The product of two polynomials over GF(2) of degree below 64, given as longs whose upper 64 bits are 0."""
     return str(b.call(binary.product_of_words, [Value(LONG, (x,)), Value(LONG, (y,))]).parts[0])
 
 

@@ -44,8 +44,6 @@ class Expressions(Operators):
         """The arguments of a function whose expression is compiled in place of a call."""
         self.label = "entry"
 
-    # --- blocks
-
     def begin(self, label: str) -> None:
         """Starts a basic block, to which the next instructions belong."""
         self.lines.append(f"{label}:")
@@ -67,8 +65,6 @@ class Expressions(Operators):
 
     def split(self, condition: str, true: str, false: str) -> None:
         self.lines.append(f"  br i1 {condition}, label %{true}, label %{false}")
-
-    # --- memory
 
     def loaded(self, kind: Any, slots: list[str]) -> Value:
         """A value loaded from the slots of its scalars."""
@@ -104,8 +100,6 @@ class Expressions(Operators):
             for leaf, p, q in zip(kind.leaves, first.parts, second.parts, strict=True)
         )
         return Value(kind, parts)
-
-    # --- expressions
 
     def value(self, node: ast.expr) -> Value:
         place = self.place(node)
@@ -333,7 +327,7 @@ class Expressions(Operators):
             self.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
-        """A slice of a flat array, as a view of the same memory, or of a tuple, from an index known at compile time."""
+        """A slice of a flat array, a view of the same memory; or a tuple's items from an index known when compiling."""
         if isinstance(row.kind, TupleKind) and part.lower is not None and part.upper is None and part.step is None:
             return together([row.item(i) for i in range(self.value(part.lower).known(), len(row.kind.items))])
         if not isinstance(row.kind, ArrayKind) or row.kind.ndim != 1 or part.step is not None:

@@ -119,7 +119,6 @@ def _imported(module: str) -> set[str]:
 
 
 def _source(module: str) -> bytes:
-    """The source of a module; empty if there is none."""
     path = HERE.parent.parent.joinpath(*module.split(".")).with_suffix(".py")
     return path.read_bytes() if path.is_file() else b""
 

@@ -17,10 +17,10 @@ def words_of(numbers: Any) -> Any:
 
 
 def numbers_of(words: Any) -> Any:
-    """The Python ints of an array of WORDS."""
+    """An array of dtype WORDS as Python ints, of the same shape."""
     return words["low"].astype(object) | words["high"].astype(object) << 64
 
 
 def pairs(words: Any) -> Any:
-    """A view of the same memory as int64 with a last axis (low, high), the form that compiled loops take."""
+    """A view of an array of WORDS as int64 with a last axis (low, high), the form that compiled loops take."""
     return words.view(np.int64).reshape(*words.shape, 2)

@@ -30,7 +30,7 @@ def features() -> str:
 
 @cache
 def name() -> str:
-    """The key of this machine for stored objects: LLVM's version, the processor and its features."""
+    """The key under which machine code is stored here: LLVM's version, the processor and its features."""
     version = ".".join(map(str, llvm.llvm_version_info))
     return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features()}"
 
@@ -54,7 +54,7 @@ def object_of(text: str, as_written: bool = False) -> bytes:
 
 
 class Entry:
-    """A function of an object, called without Python's lock; ``engine`` keeps the object in memory."""
+    """A function in machine code that ``engine`` keeps in memory, called without Python's lock."""
 
     def __init__(self, engine: Any, name: str) -> None:
         self._engine = engine

@@ -80,7 +80,7 @@ class Operators(Code):
         self.contract = contract
 
     def cast(self, value: Value, kind: Any) -> Value:
-        """The value converted to a kind of the same or higher rank."""
+        """The value converted to a kind of the same or a higher ``Kind.rank``."""
         if value.kind == kind:
             return value
         if is_abreast(kind):
@@ -295,8 +295,6 @@ class Operators(Code):
             for leaf, p, q in zip(kind.leaves, x.parts, y.parts, strict=True)
         )
         return Value(x.kind, parts)
-
-    # --- builtin functions
 
     @in_lanes
     def extremum(self, relation: str, values: list[Value]) -> Value:

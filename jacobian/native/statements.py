@@ -94,8 +94,6 @@ class Statements(Expressions):
                     raise CompileError(f"{where}: {error}") from error
                 raise
 
-    # --- assignments
-
     def assign_name(self, name: str, value: Value) -> None:
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
@@ -151,8 +149,6 @@ class Statements(Expressions):
         else:
             self.assign(node.target, self.binary(operator, self.value(node.target), self.value(node.value)))
 
-    # --- control flow
-
     def do_expr(self, node: ast.Expr) -> None:
         if not isinstance(node.value, ast.Constant):
             self.value(node.value)
@@ -184,7 +180,7 @@ class Statements(Expressions):
         self.lines.append(f"  ret {returned} {row}")
 
     def give_back_lanes(self, value: Value) -> None:
-        """Records the results of the lanes in the mask until all lanes have returned."""
+        """Writes a return from the lanes in the mask alone: their results are kept until all lanes have returned."""
         if value.kind is NONE or value.kind != abreast(value.kind):
             self.result = abreast(value.kind)
             raise _Wider

@@ -36,7 +36,7 @@ def dot(b: Operators, K: Value, *terms: Value) -> Value:
     word, double = f"i{bits}", f"i{2 * bits}"
 
     def low(x: str, leaf: str) -> str:
-        """The word in the low bits of an integer, as a double word."""
+        """The lowest word of an integer of type ``leaf``, sign-extended to a double word."""
         short = x if leaf == word else b.write(f"trunc {leaf} {x} to {word}")
         return b.write(f"sext {word} {short} to {double}")
 
@@ -52,7 +52,7 @@ def dot(b: Operators, K: Value, *terms: Value) -> Value:
     found = b.write(f"sub {double} {high}, {less}")
     if bits == 32:
         return Value(INT, (found,))
-    # LLVM would emulate this product lane by lane, since no vector instruction multiplies 64 by 64 bits
+    # without ``opaque`` LLVM would emulate this product lane by lane: no vector instruction multiplies 64 by 64 bits
     return Value(INT, (opaque(b, b.write(f"trunc i128 {found} to i64")),))
 
 

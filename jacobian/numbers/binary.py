@@ -2,8 +2,8 @@
 
 An element ``a`` is represented by a·x^w modulo the modulus M, w = 64 for n < 64 and 128 otherwise (Koç and Acar 1998).
 Let T be a product of two representatives, and q = T/M modulo x^w. Then the low halves of T and qM are equal. The high
-half of T + qM is T/x^w modulo M. For any M its degree is below n, so no comparison is needed. Sums are exclusive ors;
-sums of products are reduced once.
+half of T + qM is T/x^w modulo M. This half has a degree below n for every M, so no comparison with M is needed. Sums
+are exclusive ors; sums of products are reduced once.
 
 The functions of :mod:`jacobian.numbers.words` accept these contexts too: in Python unchanged, and compiled by
 :mod:`jacobian.native.binary`.
@@ -126,7 +126,7 @@ def product_of_words(x: Any, y: Any) -> Any:
 def inverse(K: Any, x: Any) -> Any:
     """1/x = x^(2^n − 2) for a word x ≠ 0 (Itoh and Tsujii 1988).
 
-    x^(2^k − 1) is computed for those k in turn whose binary digits are the first digits of n − 1.
+    x^(2^k − 1) is computed in turn for the numbers k that the first, the first two, … binary digits of n − 1 form.
     """
     bit = 1
     while 2 * bit < K.degree:

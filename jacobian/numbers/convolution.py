@@ -47,7 +47,7 @@ class Convolutions:
         return found
 
     def product(self, a: Any, b: Any, begin: int, scale: Any, out: Any) -> None:
-        """Sets out[i] = scale[i]·(a ∗ b)[begin + i] modulo p; ``a`` and ``b`` are transforms."""
+        """Sets out[i] = scale[i]·(a ∗ b)[begin + i] modulo p; ``a`` and ``b`` are given by their transforms."""
         residues = np.empty_like(a)
         for Q, W, x, y, row in zip(CONTEXTS, self.up, a, b, residues, strict=False):
             self.loops.multiply(Q, x, y, row)

@@ -20,7 +20,7 @@ from jacobian.errors import ArgumentError
 # if a number has fewer than MOST_BITS bits, and a binary exponent below MOST_BITS in size, then the number and its
 # difference from the nearest float are well inside the range of floats
 MOST_BITS = 440
-# integers of smaller size are exact as floats
+# integers of size below EXACT are exact as floats
 EXACT = 1 << 53
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""

@@ -20,8 +20,9 @@ def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, o
     """Writes the coefficients of e^{2πi(kx + my)} into ``out``, for k = 0, …, rows/2 and all m.
 
     Row k follows row k − 1, with m in the order of a discrete transform; real and imaginary parts alternate.
-    ``samples`` are the values at x = i/rows, y = j/columns, row by row. ``circle`` is :func:`circle_of` of the longer
-    side or of a multiple of it. ``room`` and ``other`` are scratch for (rows + 2)·columns numbers each.
+    ``grid`` is (rows, columns); ``samples`` are the values at x = i/rows, y = j/columns, row by row. ``circle`` is
+    :func:`circle_of` of the longer side or of a multiple of it. ``room`` and ``other`` are scratch for
+    (rows + 2)·columns numbers each.
     """
     rows, columns = grid
     for n in range(rows * columns):

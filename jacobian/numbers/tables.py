@@ -51,7 +51,7 @@ class TableContext(SingleProducts, _Tables):
 
 
 class BinaryTable(TableContext):
-    """The context of a field of characteristic 2; ``zech`` is empty."""
+    """The context of a field of characteristic 2. Sums need no logarithms, so the table ``zech`` is empty."""
 
     __slots__ = ()
 

@@ -2,9 +2,9 @@
 
 A block x of length 2m represents a polynomial modulo X^(2m) − W² and is mapped to its residues modulo X^m − W and X^m +
 W. One factor W serves a whole block, so loops over its numbers become vector instructions (Harvey 2014 on the
-arithmetic). The factors of block b are the same on each level, in the order of reversed bits. Blocks that fit into the
-processor's cache are finished one after the other. The last four levels run on SIDE blocks of 16 at once and leave the
-values in an interleaved order. Pointwise products and the inverse transform work in that order too.
+arithmetic). Block b has the factor W[b] on each level; the W[b] are in the order of reversed bits. Blocks that fit into
+the processor's cache are finished one after the other. The last four levels run on SIDE blocks of 16 at once and leave
+the values in an interleaved order. Pointwise products and the inverse transform work in that order too.
 
 Numbers modulo the prime q may be of size below 4.5·q on entry. :func:`forward` returns sizes below 2·q,
 :func:`backward` below 4.5·q. The caller compiles the functions (:mod:`jacobian.native`).
@@ -32,7 +32,7 @@ def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, o
 
 
 def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, other: Any) -> Any:
-    """Four times the inverse of :func:`_split`; the arguments are 1/W, 1/W' and 1/W''."""
+    """Four times the inverse of :func:`_split`; ``outer``, ``inner``, ``other`` are the 1/W, 1/W', 1/W'' there."""
     b0, b2 = Q.dot(c0 + c1, 1.0), Q.dot(c2 + c3, 1.0)
     b1, b3 = Q.dot(c0 - c1, inner), Q.dot(c2 - c3, other)
     return b0 + b2, b1 + b3, Q.dot(b0 - b2, outer), Q.dot(b1 - b3, outer)
@@ -172,8 +172,8 @@ def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out:
     (Garner 1959).
 
     ``Q``: the contexts of three primes q₁, q₂, q₃. ``residues`` (2 or 3, size): a row for each of the first two or all
-    three primes, used from column ``begin`` on. ``c``: a factor for each prime; 1/q₁ mod q₂, q₁ mod p, 1/q₁ and 1/q₂
-    mod q₃, q₁q₂ mod p.
+    three primes, used from column ``begin`` on. ``c``: a factor for each prime, then 1/q₁ mod q₂, q₁ mod p, 1/q₁ and
+    1/q₂ mod q₃, q₁q₂ mod p.
     """
     first, second, third = Q
     for j in range(len(out)):

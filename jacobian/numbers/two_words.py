@@ -126,7 +126,7 @@ def inverse(K: Any, x: Any) -> Any:
             v >>= zeros
             r <<= zeros
         k += zeros
-    # s·2^(256 − k) is 2^256/x. Once s is doubled, 2^(255 − k), k ≥ 1, is a product of two powers below 2^128
+    # 2^256/x is s·2^(256 − k) = 2s·2^(255 − k), and 2^(255 − k), k ≥ 1, is a product of two powers below 2^128
     rest = 2 * BITS - 1 - k
     half = rest >> 1
     lifted = K.dot(K.add(s, s), long(1) << half)

@@ -107,7 +107,7 @@ class Wide32(WordContext):
 
 
 class LongContext(WordContext):
-    """The contexts on words of 64 bits."""
+    """The operations that the contexts on words of 64 bits share."""
 
     __slots__ = ()
     bits = 64
@@ -183,8 +183,8 @@ class Double(SingleProducts, namedtuple("Double", "p reciprocal one half")):
 
 
 class OneWord(namedtuple("OneWord", "p one")):
-    """The context of p < 2^30 on least residues, with one remainder for a sum of up to four products. Compiled loops
-    over primes make a context for each prime."""
+    """The context of p < 2^30 on least residues. A sum of up to four products is reduced by a single division. Compiled
+    loops over primes make such a context for each prime."""
 
     __slots__ = ()
 

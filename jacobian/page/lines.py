@@ -81,7 +81,7 @@ class Facts:
 
 
 class Answer(NamedTuple):
-    """A line without its name and source."""
+    """What a :class:`Line` of a page says: the line without its name and source."""
 
     text: str
     value: Any

@@ -15,7 +15,7 @@ PROVEN, CONJECTURAL, NOT_KNOWN = "proven", "conjectural", "not known"
 
 
 def to_digits(digits: int) -> str:
-    """The mark of a value that is computed to this many digits."""
+    """The ``mark`` of a :class:`Line` whose value is computed to this many digits."""
     return f"computed to {digits} digits"
 
 

@@ -61,8 +61,6 @@ class AbelMap(AbelImage):
         image = self.periods.reduce(self._image_of(self._points_of(D), self._weight_of(D)))
         return tuple(self.field.coerce(x) for x in image)
 
-    # --- the inverse
-
     def inverse(self, z: Sequence[Any]) -> Divisor:
         """The divisor class, in the Jacobian of ``curve``, whose image is z modulo periods; z: g numbers of any size.
 
@@ -140,9 +138,9 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(f"z = {shown(target)}: no divisor of weight g was found there ({failure})")
 
     def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
-        """Points whose image is near the target; Newton's method follows the segment from the image of random points.
+        """Points whose image is near the target, by Newton's method along the segment from a random divisor's image.
 
-        It takes its steps from the iterator ``steps``, and ends with PrecisionLoss where they are used up.
+        The number of steps is limited by the iterator ``steps``; PrecisionLoss where this is used up.
         """
         points = self._start(rng)
         begin, gap = self._image_of(points, full_weight(self.curve)), self._gap(points, target)
@@ -172,8 +170,8 @@ class AbelMap(AbelImage):
     ) -> list[Point]:
         """The points after Newton's method for the image ``target``.
 
-        It ends when the coordinates, on the periods, of the target minus the image are below ``tolerance``.
-        PrecisionLoss if it does not converge within the steps ``allowed``.
+        The iteration ends when all coordinates of the target minus the image in the basis of periods are below
+        ``tolerance``; PrecisionLoss if it does not converge within the steps ``allowed``.
         """
         numbers, last, size = self.cover.numbers, None, None
         for _ in allowed:

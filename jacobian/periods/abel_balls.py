@@ -63,8 +63,8 @@ class AbelBalls(Immutable):
     def __call__(self, D: Divisor) -> tuple[Any, ...]:
         """The image of a divisor class of ``curve``: g balls, reduced modulo periods to coordinates in [−½, ½].
 
-        Over RR, CC and MP, where u and v are rounded, it is the image of an exact divisor. The x of its points are the
-        roots of u, and each point is on the sheet nearer to v. PrecisionLoss where u has nearly equal roots.
+        Over RR, CC and MP, where u and v are rounded, this is the image of the divisor whose points have the roots of u
+        as x and are on the sheet nearer to v. PrecisionLoss where u has nearly equal roots.
         """
         D = self._images[0].check_divisor(D)
 
@@ -123,7 +123,7 @@ class AbelBalls(Immutable):
 
 
 class _Image(AbelImage):
-    """The map at one precision; its methods are called inside ``with numbers.working():``."""
+    """The Abel–Jacobi map at one precision; its methods are called inside ``with numbers.working():``."""
 
     def __init__(self, curve: HyperellipticCurve, periods: PeriodMatrix) -> None:
         self.periods, self.given, self.curve = periods, curve, curve

@@ -118,7 +118,7 @@ def exact_polynomial(coefficients: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def ball_roots(numbers: BallNumbers, real: Any, imaginary: Any) -> Vector:
-    """The roots of an exact polynomial with multiplicity, in balls that each contain one root.
+    """The roots of an exact polynomial in balls that each contain one root, repeated by the multiplicity of the root.
 
     PrecisionLoss if the roots of a polynomial with complex coefficients are not separated.
     """

@@ -6,9 +6,9 @@ the ellipse with foci ±1 and semi-axis cosh ρ. Then their errors are at most:
 * Gauss–Chebyshev, n nodes, ∫ φ/√(1−t²): 2πM/(e^(2ρn) − 1) (Chawla & Jain 1968; Molin & Neurohr 2019, section 4);
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
-For a point u outside the ellipse, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for all t on it, by the triangle inequality;
-so M is bounded by the singularities u. The choice between two square roots is made in doubles. This needs the argument
-of a root with an error below 30°, and no path comes so near to a branch point that the error is larger.
+For a point u outside the ellipse, |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ for all t on it, by the triangle inequality.
+With the singularities of φ as u, this gives M. The choice between two square roots is made in doubles. This needs the
+argument of a root with an error below 30°, and no path comes so near to a branch point that the error is larger.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums, plus
 
-# the error bound is tried with ellipses of these fractions of the largest possible ρ, which is at most MOST_RHO
+# the error bound is tried on ellipses of the semi-axis cosh ρ, with ρ one of these fractions of the largest ρ for which
+# no singularity is inside, up to MOST_RHO
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
 # a piece of a path that needs more than NODES_A_DIGIT nodes per digit plus MORE_NODES is halved, down to the
@@ -106,9 +107,9 @@ class BallNumbers(Numbers):
         return found
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces of [0, 1], shorter ones near singularities.
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, a product over ``ratios``; ``rate`` is not used.
 
-        ``rate`` is not used.
+        Gauss's rule is applied to pieces of [0, 1], shorter ones near singularities.
         """
         pieces, total = [(0.0, 1.0)], list[Any]()
         while pieces:

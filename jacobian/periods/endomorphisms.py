@@ -34,7 +34,8 @@ class Endomorphisms(NamedTuple):
 
     ``matrices``: a ℤ-basis R_i of the ring over the complex numbers, each by its action on the cycles of ``periods``.
     ``rational``: integer vectors c for which the Σ c_i R_i are a QQ-basis of the endomorphisms over QQ. ``digits``:
-    the number of digits to which b + τd − aτ − τcτ = 0 holds, relative to the largest entries that R may have.
+    the number of digits to which b + τd − aτ − τcτ = 0 holds for every R_i = (a, b; c, d), relative to the largest
+    entries that R_i may have.
     """
 
     periods: PeriodMatrix
@@ -54,9 +55,9 @@ class Endomorphisms(NamedTuple):
 def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
     """The endomorphisms of the Jacobian of a curve over QQ, found from periods in balls with this many digits.
 
-    They are numerical evidence. Entries of R have at most a quarter of the digits. Relative to the largest such entry,
-    A·Π = Π·R holds to some four fifths of the digits. PrecisionLoss if a small relation does not hold; FieldError over
-    other fields, Infeasible beyond genus 4.
+    They are numerical evidence: integer matrices R with A·Π = Π·R for the periods Π and some A. Entries of R have at
+    most ``digits``/4 digits. Relative to the largest such number the equation holds to some four fifths of
+    ``digits``. PrecisionLoss if a small relation does not hold; FieldError over other fields; Infeasible if g > 4.
     """
     if C.field != QQ:
         raise FieldError(f"field = {C.field.name}: endomorphisms are looked for on curves over QQ")

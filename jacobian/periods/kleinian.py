@@ -119,7 +119,7 @@ class KleinianFunctions(Immutable):
         return [b - e * a + e * e * p22, a - e * p22, p22]
 
     def _algebraic(self, at: _Divisor) -> Vector:
-        """The algebraic part of (ζ_1, ζ_2): ½ Σ Y_k·c_j(x_k)/Π′(x_k)."""
+        """½ Σ Y_k·c_j(x_k)/Π′(x_k), j = 1, 2: the part of ζ_j without integrals (:mod:`jacobian.periods.kleinian`)."""
         if self.branch_point is None:
             return [at.V[1] / 2, 0]
         e = self._image.cover.roots[self.branch_point]
@@ -127,7 +127,9 @@ class KleinianFunctions(Immutable):
         return [at.times(over, [-e - at.s, 2])[1] / 2, over[1] / 2]
 
     def _integrals(self, at: _Divisor) -> tuple[Vector, Vector]:
-        """Σ ∫ of x^k dx/Y, k < 2, and of ρ_1, ρ_2 from branch point 0 to both points, along the same paths."""
+        """The integrals of x^k dx/Y, k < 2, and those of ρ_1, ρ_2 (:mod:`jacobian.periods.second_kind`), from branch
+        point 0 to the points of the divisor, summed over both points. Both kinds are integrated along the same paths.
+        """
         cover = self._image.cover
         powers: Vector = [0] * 5
         middle = at.s / 2

@@ -1,8 +1,8 @@
 """Integrals of dx/y and x dx/y along straight paths between branch points of y² = f(x), deg f = 5, and to other points.
 
 A compiled loop sums an integrand over the nodes of a quadrature rule in double-doubles. With x = a + (b − a)v on a path
-from a to b, the rule is a Gauss rule in v or, where real branch points nearly meet, the trapezoidal rule in
-log(v/(1 − v)).
+from a to b, the rule is a Gauss rule in v, or in √v if b is no branch point. Where real branch points nearly meet, it
+is the trapezoidal rule in log(v/(1 − v)).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
 # error is e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 if a branch point
 # lies at a distance of 1e-42 from an end
 NODES, SPACING = 1000, 0.25
-# distance of a point x from a branch point, relative to |x|, below which rounding may put x on its other side
+# below this distance of a point x from a branch point, relative to |x|, x counts as the branch point
 NEAR = 2.0**-140
 # bits of the nodes of quadrature rules
 BITS = 180
@@ -77,7 +77,8 @@ def image(
 def to_point(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vector], point: Vector) -> Vector:
     """The integrals from the first root to a point (x₁, y₁), modulo periods.
 
-    The path goes straight from the root r from which it needs the fewest nodes; a Gauss rule has its nodes in √(x − r).
+    The path goes straight from the root r from which it needs the fewest nodes. If a Gauss rule is used, it is one in
+    the variable √(x − r).
     """
     (x1, y1), rules = point, []
     for k, r in enumerate(roots):
@@ -128,7 +129,9 @@ def straight(Z: LongField, a: Complex, b: Complex, others: Sequence[Complex]) ->
 
 
 def path_integrals(path: StraightPath, rule: Row) -> tuple[Complex, Complex]:
-    """∫dμ/w and ∫v dμ/w for the measure dμ of a rule, with x = a + (b − a)v and w = Π√((x − e)/(end − e))."""
+    """∫dμ/w and ∫v dμ/w for the measure dμ of a rule, where x = a + (b − a)v and w = Π√((x − e)/(end − e)) over the
+    other branch points e; ``end`` is the end of the path nearer to e.
+    """
     import gmpy2
 
     poles = double_double_row(x for q in path.poles for x in (q.real, q.imag))

@@ -44,5 +44,5 @@ def largest(found: PeriodMatrix) -> Any:
 
 
 def is_within(rows: Any, bound: Any) -> bool:
-    """Whether all radii are at most ``bound``."""
+    """Whether the radii of all balls in ``rows`` are at most ``bound``."""
     return all(x.is_finite() and x.rad() <= bound for row in rows for x in row)

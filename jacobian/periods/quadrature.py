@@ -99,7 +99,7 @@ class Numbers:
         return self._weights[n]
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
-        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds over all ``ratios`` by Fejér's rule; each node adds ``rate`` digits."""
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, a product over ``ratios``, by Fejér's rule of ``rate`` digits per node."""
         # the number of nodes is limited, since computing the weights takes time proportional to its square
         n = self.node_count(rate, 500 + 10 * self.digits)
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
@@ -137,7 +137,7 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
 
 
 def ellipse(u: complex) -> float:
-    """log₁₀ r for the ellipse with foci ±1 through u."""
+    """log₁₀ of the sum of the semi-axes of the ellipse with foci ±1 through u."""
     root = cmath.sqrt(u * u - 1)
     return math.log10(max(abs(u + root), abs(u - root)))
 
@@ -171,7 +171,7 @@ def path_from(
 
 
 def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios: Vector, forms: Forms) -> Vector:
-    """Σ weight · forms(s²)/Π√(1 − s²·ratio) over the nodes s."""
+    """The sum over the nodes s of weight · forms(s²)/Π√(1 − s²·ratio), a product over ``ratios``."""
     rough = [complex(ratio) for ratio in ratios]
     total: Vector = []
     for s, weight in zip(nodes, weights, strict=True):
@@ -185,7 +185,7 @@ def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
     """The digits per node of Fejér's rule on the path from ``start`` to ``target``.
 
-    The singularities of the integrand in s are ±√((e − start)/(target − start)).
+    In s, x = start + (target − start)s², singularities are ±√((e − start)/(target − start)) for e in ``others``.
     """
     if abs(target - start) < 1e-14 * scale:
         return 16.0

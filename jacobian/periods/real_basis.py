@@ -36,7 +36,7 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods:
-    """The cycles and half-periods of the curve with five ``roots``, the vertices in turn of a simple polygon."""
+    """The cycles and half-periods of the curve with five ``roots``, ordered as the vertices of a simple polygon."""
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
         cycles = cycles_of(sides, signs)
@@ -62,7 +62,9 @@ def half_integrals(Z: LongField, roots: list[Complex], lead: Complex) -> Periods
 
 
 def cycles_of(sides: Sequence[Vector], signs: Sequence[int]) -> list[Vector]:
-    """The cycles a₁, a₂, b₁, b₂ from the lifts of the polygon's sides; ``signs``: of y on the sides after the first."""
+    """The periods of a₁, a₂, b₁, b₂ from the integrals along four ``sides`` of the polygon in :func:`half_integrals`.
+    ``signs`` are those of y on the sides after the first.
+    """
     a, b, c, d = ((2 * s * x, 2 * s * y) for s, (x, y) in zip((1, *signs), sides, strict=True))
     return [a, (a[0] + c[0], a[1] + c[1]), b, d]
 
@@ -89,7 +91,7 @@ def ratio(cycles: Sequence[Vector]) -> Matrix:
 
 
 def coordinates(cycles: Sequence[Vector], tau: Matrix, vectors: Sequence[Vector]) -> list[tuple[Any, Any, Any, Any]]:
-    """The real coordinates (p₁, p₂, q₁, q₂) of each vector w, w = Ap + Bq; ``tau`` is A⁻¹B."""
+    """The real (p₁, p₂, q₁, q₂) with Ap + Bq = w for each vector w; ``cycles``: columns of A and B, ``tau``: A⁻¹B."""
     (t11, t12), (_, t22) = tau
     area = t11.imag * t22.imag - t12.imag**2
     found = []
@@ -164,7 +166,9 @@ def reduced(found: Periods) -> Periods:
 
 
 def characteristics(found: Periods) -> list[Whole]:
-    """The odd characteristics (ε₁, ε₂, δ₁, δ₂) = η₀ + 2(q, p) modulo 2 of the branch points."""
+    """The odd characteristics (ε₁, ε₂, δ₁, δ₂) = η₀ + 2(q, p) modulo 2 of the branch points, whose half-periods are
+    Ap + Bq. η₀ is the same for all.
+    """
     cycles = rough(found.cycles)
     bits = [[round(2 * x) % 2 for x in row] for row in coordinates(cycles, ratio(cycles), rough(found.halves))]
     for e1, e2, d1, d2 in product((0, 1), repeat=4):

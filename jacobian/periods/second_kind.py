@@ -19,8 +19,8 @@ from jacobian.periods.quadrature import Vector
 class SecondKind:
     """The differentials ρ_1 … ρ_g and their periods, in the numbers of the PeriodMatrix.
 
-    ``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``: g×g tuples of rows, A[j][i] = ∮ ρ_(j+1) along a_i
-    of the PeriodMatrix. The η and η′ of Weierstrass and Baker are −A/2, −B/2.
+    ``polynomials``: the r_j, ascending, j = 1 … g; ``A`` and ``B``, the E and H of Legendre's relation: g×g tuples
+    of rows, A[j][i] = ∮ ρ_(j+1) along a_i of the PeriodMatrix. The η and η′ of Weierstrass and Baker are −A/2, −B/2.
     """
 
     polynomials: tuple[tuple[Any, ...], ...]
@@ -40,7 +40,7 @@ def polynomials(cover: BranchedCover) -> Matrix:
 
 
 def second_kind(P: PeriodMatrix) -> SecondKind:
-    """The periods of ρ_1 … ρ_g along the cycles of a PeriodMatrix, in its arithmetic: floats, many digits or balls."""
+    """The differentials ρ_1 … ρ_g of the second kind, and their periods along the cycles of P, in its arithmetic."""
     cover, g = P.cover, P.cover.genus
     with cover.numbers.working():
         rows = polynomials(cover)

@@ -27,7 +27,7 @@ class SiegelReduced(NamedTuple):
 
 
 def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
-    """The reduced τ of a period matrix in balls: Im τ reduced by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, up to the radii.
+    """The reduced τ of a period matrix in balls: Im τ reduced by LLL, |Re τ_ij| ≤ ½, |τ_11| ≥ 0.999, up to the radii.
 
     The matrix in Sp(2g, ℤ) is exact, so each ball of ``tau`` contains the exact entry of (aτ + b)(cτ + d)⁻¹.
     ArgumentError for a period matrix in floats, whose errors are not known.

@@ -39,8 +39,8 @@ from jacobian.relatives.ray_class import RayClass, RayClassGroup
 class Representative(Immutable):
     """A semi-reduced pair (u, v) of degree g+1 on y² + hy = f over any field: u monic, u | v² + hv − f.
 
-    Immutable; ``==`` and ``hash`` compare the pair. ArgumentError for another degree, FieldError and NotOnCurve as in
-    :meth:`jacobian.group.Jacobian.from_mumford`.
+    All pairs of this degree in one class of the Jacobian are a *pencil*. Immutable; ``==`` and ``hash`` compare pairs.
+    ArgumentError for another degree, FieldError and NotOnCurve as in :meth:`jacobian.group.Jacobian.from_mumford`.
     """
 
     def __init__(self, curve: HyperellipticCurve, u: Any, v: Any) -> None:
@@ -66,9 +66,9 @@ class Representative(Immutable):
     # --- the pencil
 
     def member(self, c: Any) -> Representative:
-        """The member of the pencil with P = V + cU; for ``c`` = None the pair itself.
+        """The pair (Ũ, Ṽ) of the module's docstring for P = V + cU; for ``c`` = None the pair itself.
 
-        NotRepresentable where the member contains a point at infinity: c² + h_(g+1)·c = f_(2g+2).
+        NotRepresentable where (Ũ, Ṽ) contains a point at infinity: c² + h_(g+1)·c = f_(2g+2).
         """
         if c is None:
             return self
@@ -85,7 +85,7 @@ class Representative(Immutable):
         return replaced(self, u=u, v=poly.mod(K, poly.neg(K, sum_), u))
 
     def members(self) -> Iterator[Representative]:
-        """Yields the members of the pencil without points at infinity; FieldError over an infinite field."""
+        """Yields the pairs of the pencil that have no points at infinity; FieldError over an infinite field."""
         K: Any = self.curve.field
         if K.order is None:
             raise FieldError(f"field = {K.name} is infinite: the pencil cannot be listed, use member(c)")
@@ -96,10 +96,10 @@ class Representative(Immutable):
                 yield self.member(c)
 
     def step(self, x0: Value | None, y0: Value) -> Representative:
-        """The pair after the step through the plane point (x0, y0), which is not on the curve; ``x0`` = None is x₀ = ∞.
+        """The pair after the step through a plane point (x0, y0) not on the curve: the :meth:`member` with P(x0) = y0.
 
-        ``y0`` = None is the identity. ArgumentError for a point of the curve, NotRepresentable where the divisor has a
-        point over x₀, or the new divisor has a point at infinity.
+        ``x0`` = None is x₀ = ∞, where c = y0; ``y0`` = None gives the pair itself. ArgumentError for a point of the
+        curve, NotRepresentable where the pair has a point over x₀, or the new pair has a point at infinity.
         """
         K, fibre = self.curve.field, FibreGroup(self.curve, x0)
         if y0 is None:
@@ -120,7 +120,7 @@ class Representative(Immutable):
         return self.step(x0, FibreGroup(self.curve, x0)._height(unit, "unit"))
 
     def containing(self, point: Given) -> Representative:
-        """The member of the pencil that contains an affine point of the curve."""
+        """The pair of the pencil that contains an affine point of the curve."""
         point = self.curve.check_point(point)
         if not isinstance(point, AffinePoint):
             raise NotRepresentable(f"point = {shown(point)}: a pair (u, v) contains affine points")
@@ -134,12 +134,12 @@ class Representative(Immutable):
     # --- the classes
 
     def divisor(self) -> Divisor:
-        """The class ``from_mumford(u, v)`` in the Jacobian, the same for the whole pencil (exact fields)."""
+        """The class ``from_mumford(u, v)`` in the Jacobian, the same for all pairs of the pencil (exact fields)."""
         result: Divisor = self.curve.jacobian().from_mumford(self.u, self.v)
         return result
 
     def ray_class(self, x0: Any = None) -> RayClass:
-        """The class in the generalized Jacobian with modulus over x₀ (exact fields; g odd for x₀ = ∞)."""
+        """The class of the pair in ``RayClassGroup(curve, x0)`` (exact fields; g odd for ``x0`` = None, x₀ = ∞)."""
         return RayClassGroup(self.curve, x0).from_mumford(self.u, self.v)
 
 
@@ -175,7 +175,7 @@ def representative(D: Divisor, point: Given) -> Representative:
     rest = D - (J(point, INFINITY_MINUS) if C.model == "split" else J(point))
     if rest.degree < C.genus:
         raise NotRepresentable(f"point = {shown(point)}: the member through it has a point at infinity, choose another")
-    # y = v passes through Q and the points of ``rest``, and is tangent to the curve at a point that occurs twice
+    # y = v passes through ``point`` and the points of ``rest``, tangent to the curve at a point that occurs twice
     u, v, _ = cantor.compose(C, (rest.u, rest.v, None), ((K.neg(point.x), K.one), poly.trim(K, (point.y,)), None))
     if len(u) != C.genus + 2:
         raise NotRepresentable(

@@ -29,7 +29,7 @@ QUADRATIC = [tuple(chosen.count(i) for i in range(4)) for chosen in combinations
 
 
 def bad_part(surface: KummerSurface) -> int:
-    """|2⁴ disc(f)|, f as a sextic: a multiple of gcd(δ_i(x)) for primitive x (Stoll 1999, theorem 6.1)."""
+    """16|disc(f)|, f as a sextic: a multiple of the gcd of all doubling forms δ_i at coprime x_j (Stoll 1999, 6.1)."""
     from flint import fmpz_poly
 
     discriminant = int(fmpz_poly(list(surface.f)).discriminant())
@@ -40,7 +40,7 @@ def bad_part(surface: KummerSurface) -> int:
 def real_bounds(surface: KummerSurface) -> tuple[float, float]:
     """(low, high) with low ≤ log |δ(x)| − 4 log |x| ≤ high at real points of the surface, |x| being the largest |x_i|.
 
-    PrecisionLoss where the enclosures of the roots of f are too wide for finite bounds.
+    δ are the doubling forms. PrecisionLoss where the enclosures of the roots of f are too wide for finite bounds.
     """
     bits = FIRST_BITS
     for _ in range(TRIALS):
@@ -58,10 +58,10 @@ def real_bounds(surface: KummerSurface) -> tuple[float, float]:
 
 
 def _largest_square(surface: KummerSurface, numbers: BallNumbers) -> Any:
-    """A constant A with max x_i² ≤ A·√(max |δ_j(x)|) at all real points x of the surface."""
+    """A constant A with max x_i² ≤ A·√(max |δ_j(x)|) at all real points x of the surface, δ_j the doubling forms."""
     acb_mat = numbers.flint.acb_mat
     forms = list(tropes(surface, numbers))
-    # the rows have the coefficients of the monomials x_i·x_j as linear combinations of the ten forms y
+    # each row of ``matrix`` expresses a monomial x_i·x_j as a linear combination of the ten quadratic forms
     matrix = acb_mat([[y.get(m, 0) for m in QUADRATIC] for _, y in forms]).inv()
     sizes = [sum(abs(c) for c in linear).sqrt() for linear, _ in forms]
     squares = (row for row, m in enumerate(QUADRATIC) if max(m) == 2)
@@ -104,7 +104,7 @@ def _cubic(numbers: BallNumbers, lead: int, roots: Vector) -> Vector:
 def _root_on_surface(surface: KummerSurface, linear: Vector, numbers: BallNumbers) -> Form:
     """The quadratic form y with y² = Σ ℓ_j δ_j + c·(Rξ₄² + Sξ₄ + T); Rξ₄² + Sξ₄ + T = 0 is the surface's equation.
 
-    The parts of both sides with ξ₄³, ξ₄² and ξ₄ determine y and the constant c.
+    The δ_j are the doubling forms. The parts of both sides with ξ₄³, ξ₄² and ξ₄ determine y and the constant c.
     """
     total: Form = {}
     for factor, form in zip(linear, surface.delta, strict=True):

@@ -6,7 +6,7 @@ A pair (U, V) on y² = f(x) can have any of the following data. Each kind of dat
   of √U(e); where U(e) = 0, ν gives the sign of √(−W(e)). (κ, σ, ν) and (κ/c², cσ, cν) are the same lift.
 * at any other point (x₀, y₀) the triple (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), the same as (κ/c², cσ, cσ̄). Its group is the
   generalized Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954).
-* on a model of odd degree Ω = Σ∫x^g dx/y over the points of the divisor, a differential with a double pole at ∞.
+* on a model of odd degree Ω = Σ∫x^g dx/y over the points of the divisor; x^g dx/y has a double pole at ∞.
 * on a model of even degree Z = exp(rΣ∫x^g dx/y), where r² is the leading coefficient of f. The differential has simple
   poles at ∞₊ and ∞₋. The group is the generalized Jacobian with modulus ∞₊ + ∞₋.
 
@@ -194,7 +194,7 @@ class ExtendedGroup(Immutable):
         """A pair of degree g, moved by one Newton step towards U | f − V², over a :class:`LongField`.
 
         The step is the shortest (δU, δV) with WδU + 2VδV ≡ f − V² mod U. Without it f − V² mod U grows with every
-        addition, on models of even degree by tens of bits. An error of a divisor on the curve only doubles when the
+        addition, on models of even degree by tens of bits. If U | f − V² holds, an error only doubles when the
         divisor is doubled.
         """
         K, g = self.field, len(D.u) - 1
@@ -262,7 +262,7 @@ class ExtendedGroup(Immutable):
 
 
 class Lift(NamedTuple):
-    """The kind of datum (κ, σ, ν) at a branch point e."""
+    """The kind of datum (κ, σ, ν) at a branch point e: κσ² = U(e), κσν = V(e)."""
 
     e: Any
 
@@ -276,7 +276,7 @@ class Lift(NamedTuple):
 
     def nearest(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
         """The datum with σ after a Newton step for κσ² = U(e), and ν = V(e)/(κσ). If U(e) is nearly 0, ν takes a step
-        for κν² = −W(e), and σ = V(e)/(κν). If W(e) is nearly 0 too, the datum is returned unchanged.
+        for κν² = −W(e), W = (f − V²)/U, and σ = V(e)/(κν). If W(e) is nearly 0 too, the datum is returned unchanged.
         """
         K, e, (kappa, sigma, nu) = group.field, self.e, datum
         value, ordinate = (poly.evaluate(K, a, e) for a in (D.u, D.v))
@@ -291,7 +291,7 @@ class Lift(NamedTuple):
         return kappa, sigma, nu
 
     def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
-        """The same datum as (κ/c², cσ, cν)."""
+        """(κ/c², cσ, cν), which is the same lift as the datum (κ, σ, ν)."""
         K, (kappa, sigma, nu) = group.field, datum
         return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, nu)
 
@@ -363,7 +363,7 @@ class PointLift(NamedTuple):
         K = group.field
         kappa, sigma, bar = map(K.mul, first, second)
         if len(step.common) > 1:
-            # the cancelled points and their opposites are factors of both σ and σ̄
+            # σσ̄ has the factor common(x₀)² from the points that cancel, so σ and σ̄ have the factor common(x₀) each
             scale = poly.evaluate(K, step.common, self.x)
             sigma, bar = K.div(sigma, scale), K.div(bar, scale)
         return kappa, sigma, bar
@@ -394,7 +394,7 @@ class SecondKind(NamedTuple):
         return group.field.add(first, second)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
-        """Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
+        """Ω after a reduction: Ω − 2/lead(V) for deg V = g + 1, Ω − 2·lead(V)/lead(f) for deg V = g, else Ω."""
         K, g = group.field, group.genus
         if step.degree == g + 1:
             return K.sub(datum, K.div(poly.integer(K, 2), step.lead))

@@ -158,7 +158,7 @@ class FibreGroup(Immutable):
             raise FieldError(f"{self!r} is inert: its group is a circle, not G_m or G_a over {self.field.name}")
 
     def order(self) -> int:
-        """The order of the group over GF(q): q − 1 (split), q (ramified) or q + 1 (inert). FieldError elsewhere."""
+        """The order of the group over GF(q): q − 1 (split), q (ramified) or q + 1 (inert). FieldError over QQ or RR."""
         if self.field.order is None:
             raise FieldError(f"field = {self.field.name} is infinite, and so is this group")
         return int(self.field.order) + {"split": -1, "ramified": 0, "inert": 1}[self.kind]
@@ -192,7 +192,7 @@ class FibreGroup(Immutable):
             a, b = poly.quotient(K, a, linear), poly.quotient(K, b, linear)
 
     def class_of(self, functions: list[Function]) -> Unit:
-        """The class of the product of ``functions``, which over x₀ has the zeros and poles of a power of x − x₀."""
+        """The class of the product of ``functions``; its zeros and poles over x₀ must be those of a power of x − x₀."""
         total, rest = self.identity, None
         for function in functions:
             c = self.value(function)

@@ -33,10 +33,10 @@ MOST_POINTS = 2000
 class FormalSum(Immutable):
     """A divisor Σ m_P P of ``curve``, rational over its exact field, with ``+``, ``−``, ``m * A``, ``==`` and ``hash``.
 
-    ``u``, ``v``: the part without opposite points; ``numerator``, ``denominator``: coprime monic polynomials whose
-    fibres are added and subtracted; ``weights``: the multiplicities of ``curve.points_at_infinity()``, or of the one
-    place of degree two of an inert model. Formal sums are made by :meth:`zero`, :meth:`from_points`,
-    :meth:`from_divisor` and :func:`principal_divisor`.
+    ``u``, ``v``: the part without opposite points; ``numerator``, ``denominator``: coprime monic polynomials; the
+    points over roots of ``numerator`` are added, those over roots of ``denominator`` subtracted; ``weights``: the
+    multiplicities of ``curve.points_at_infinity()``, or of the one place of degree two of an inert model. Formal sums
+    are made by :meth:`zero`, :meth:`from_points`, :meth:`from_divisor` and :func:`principal_divisor`.
     """
 
     def __init__(
@@ -226,7 +226,7 @@ class Intersection(NamedTuple):
 
 
 def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalSum:
-    """div(a(x) + b(x)·y) on an exact curve, of degree 0, for polynomials (ascending) that are not both 0.
+    """div(a(x) + b(x)·y) on a curve over an exact field, for polynomials, ascending, that are not both 0.
 
     Let c = gcd(a, b), a = ca₀, b = cb₀ and N = a₀² − ha₀b₀ − fb₀². The affine part of the divisor is
     π*(c) + div(N, −a₀/b₀ mod N), because a₀ + b₀y does not vanish at two opposite points.

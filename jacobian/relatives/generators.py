@@ -46,7 +46,7 @@ def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
 
 
 def from_points(J: Any, height: int, digits: int = 20) -> Generators:
-    """Generators, modulo torsion, of the group spanned by differences of rational points with x up to this height."""
+    """Generators, modulo torsion, of the group of the differences of rational points with x of at most this height."""
     return generators(differences(J, height), digits)
 
 

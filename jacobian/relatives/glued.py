@@ -143,7 +143,7 @@ class GeneralizedJacobian(Jacobian):
         raise NotRepresentable("the order of a generalized Jacobian is not computed")
 
     def frobenius_polynomial(self) -> list[int]:
-        """Raises NotRepresentable: the polynomial of a generalized Jacobian is not computed."""
+        """Raises NotRepresentable: the Frobenius polynomial of a generalized Jacobian is not computed."""
         raise NotRepresentable("the order of a generalized Jacobian is not computed")
 
     def _represented(self, u: poly.Poly, v: poly.Poly) -> Divisor:

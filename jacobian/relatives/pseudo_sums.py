@@ -99,7 +99,7 @@ def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
 
 
 def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """κ(2D) for a = κ(D): the values of b_14 … b_44 at (a, a), since coordinate 4 of the difference κ(0) is 1."""
+    """κ(2D) for a = κ(D): the values at (a, a) of the module's forms b_14, …, b_44, as y = κ(0) has y_4 = 1."""
     terms_twice(K, F, S, 4, a)
     return forms_of(K, F, S, 4)
 
@@ -161,7 +161,7 @@ def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
 
 
 def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
-    """κ(2D) for x = κ(D)."""
+    """(0, κ(2D)) for x = κ(D); (1, x) if x is no point of the surface."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x
@@ -169,7 +169,7 @@ def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
 
 
 def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
-    """κ(mD) for x = κ(D) and the bits of m, descending."""
+    """(0, κ(mD)) for x = κ(D) and the bits of m, descending; (1, x) if x is no point of the surface."""
     a = encoded(K, x)
     if not is_point(K, F, S, a):
         return 1, x
@@ -188,7 +188,7 @@ def add_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S
 
 
 def double_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
-    """Writes the doubles of a span of columns to ``out``; operands are (x,)."""
+    """Writes the doubles of the points in a span of columns of x to ``out``; ``operands`` is (x,)."""
     for j in range(span[0], span[1]):
         wrong[j], found = double_point(K, F, column(operands[0], j), S)
         out[0, j], out[1, j], out[2, j], out[3, j] = found

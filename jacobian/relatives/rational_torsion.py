@@ -34,7 +34,7 @@ Subgroups = dict[int, PrimaryGroup]
 
 # the group is bounded by its reductions modulo REDUCTIONS primes, or fewer if the next p^g exceeds MOST_CLASSES
 REDUCTIONS, MOST_CLASSES = 8, 10**7
-# the search tries sums and differences of the first SUMMED points, and u with coefficients of size at most SMALL
+# the search tries sums and differences of the first SUMMED classes P − P₀, and u = x² + bx + c with |b|, |c| ≤ SMALL
 SUMMED, SMALL = 12, 6
 MOST_BOUND = 1000
 
@@ -114,7 +114,7 @@ def _exponents(reductions: list[Subgroups]) -> dict[int, list[int]]:
 def _grow(group: PrimaryGroup, reductions: list[Subgroups]) -> None:
     """Enlarges ``group`` to all rational classes of ℓ-power order in genus 2.
 
-    The classes are lifted from a reduction of J: of the suitable ones, that with the smallest ℓ-part.
+    They are lifted from the ℓ-part of J modulo a prime p ≠ ℓ, the smallest ℓ-part to which ``group`` reduces.
     """
     known = sorted((groups[group.prime] for groups in reductions), key=lambda whole: whole.order)
     later = (sylow_subgroup(reduced, group.prime) for reduced in _reductions(group.zero.jacobian))

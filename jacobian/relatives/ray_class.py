@@ -73,7 +73,9 @@ class RayClassGroup(Immutable):
         return RayClass(self, D, self.fibre.identity)
 
     def from_fibre(self, a: Any, b: Any) -> RayClass:
-        """The class (a : b) of the kernel; ArgumentError where a + b·y is not a unit over x₀."""
+        """The pair of the zero divisor and the class of a + b·y: an element of the kernel of the map to the Jacobian.
+        ArgumentError where a + b·y is not a unit over x₀.
+        """
         return RayClass(self, self.jacobian.zero(), self.fibre.element(a, b))
 
     def from_mumford(self, u: Coefficients, v: Coefficients | Value, n: int | None = None) -> RayClass:
@@ -166,7 +168,7 @@ class RayClassGroup(Immutable):
         return multiple(m, C, self.add, double, self.negate, self.zero())
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
-        """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at m.
+        """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at the modulus.
 
         ``triple`` is a divisor on the model of the curve on which the Jacobian computes.
         """

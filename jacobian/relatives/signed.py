@@ -96,9 +96,9 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), (kappa,) * len(pairs))
 
     def twist(self, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
-        """The pair (u, v) with σ = 1 and κ = u(e), which needs no square root; its double has κ = 1.
+        """The pair (u, v) with σ = 1 and κ = u(e), which needs no square root.
 
-        NotRepresentable where u vanishes at a branch point.
+        Its :meth:`double` has κ = 1 (−1 for weight one). NotRepresentable where u vanishes at a branch point.
         """
         K = self.field
         kappas = tuple(poly.evaluate(K, u, e) for e in self.branch_points)
@@ -123,7 +123,7 @@ class SignedGroup(Immutable):
     def double(self, D: SignedDivisor) -> SignedDivisor:
         """D + D with κ = 1 (−1 for weight one).
 
-        :meth:`add` gives the sum κ² (−κ² for weight one) as its κ; the factor κ² is moved into σ and ν.
+        The sum by :meth:`add` has κ² (−κ²), with the κ of D. It becomes 1 (−1) as σ and ν are multiplied by κ (−κ).
         """
         K = self.field
         total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
@@ -245,7 +245,7 @@ class SignedGroup(Immutable):
     def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
         """(σ'', ν'') from the equations of :meth:`_row`, of which ``rows`` has two for each summand.
 
-        The equations of one summand with divisor ≠ 0 are solved; over an inexact field, those of both by least squares.
+        The equations of a summand whose divisor ≠ 0 are solved; over an inexact field, those of both, by least squares.
         """
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
@@ -268,8 +268,8 @@ def sheared(K: Field, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
 def reflected(K: Field, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
     """The pairs (ν/ρ, −ρσ) of the Mumford pair (Ũ, −P), from the pairs (σ, ν) of (U, P) and ``roots``, the ρ.
 
-    Here P² − f = R·U·Ũ and ρ² = R(e) ≠ 0; κ stays the same. R is the leading coefficient of P² − f for a step along the
-    pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
+    Here P² − f = R·U·Ũ and ρ² = R(e) ≠ 0, and both pairs have the same κ. R is the leading coefficient of P² − f for a
+    step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
     """
     return tuple((K.div(nu, rho), K.neg(K.mul(rho, sigma))) for (sigma, nu), rho in zip(pairs, roots, strict=True))
 

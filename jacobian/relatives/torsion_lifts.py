@@ -163,7 +163,7 @@ def rational_class(surface: KummerSurface, J: Jacobian, x: Coordinates | list[in
     try:
         candidates = list(_of_weight_two(surface, J, x) if x[0] else _of_less_weight(J, x))
     except JacobianError:
-        # a square root is not rational, or x belongs to no point of the curve: no class is rational
+        # a square root is not rational, or (u, v) is not on the curve: no rational class has the coordinates x
         return None
     return next((D for D in candidates if surface.point(D) in (tuple(x), tuple(-c for c in x))), None)
 
