@@ -38,7 +38,7 @@ class Steps(NamedTuple):
 WIDE, WIDER, WIDEST = Orders(9, 34), Orders(14, 40), Orders(18, 44)
 FINE = Steps(WIDER, (Bounds(1e-24, 1e-7, 1e1, 1e1, 2.0**-56),))
 FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
-# BRIEF takes 3/4, ROUGH 5/6 of the time of FINE; they are used up to times of 64 and 600 times the first step. The
+# BRIEF takes 2/3, ROUGH 3/4 of the time of FINE; they are used up to times of 64 and 600 times the first step. The
 # bound on the last terms is 3 times as large in the second walk. If it was 10 times as large, the two walks of the
 # scene ``hat`` disagreed within 36 steps of BRIEF. In 900 motions the states on which both walks agreed were right to a
 # tenth of the rounding unit (tests/integrable/series/test_walks.py has some of them)
