@@ -72,11 +72,7 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
     """
     bits, sizes = field.context.prec + GUARD_BITS, series_sizes(pace, digits)
     while True:
-        if sizes[0] * sizes[1] * max(digits, USUAL_DIGITS) > MOST_MODES * USUAL_DIGITS:
-            raise PrecisionLoss(
-                f"times: 1/g takes a series of {sizes[0]} × {sizes[1]} modes for {digits} digits; fewer digits, times "
-                "nearer to 0, or at_tau (the flow's own time) are within reach"
-            )
+        check_modes(sizes, digits, "times", "times nearer to 0, or at_tau (the flow's own time)")
         table = cosines(pace, sizes, bits)
         loud = abs(table) > table[0, 0] // 10**digits
         # if the last modes are not small, the table is too small
@@ -86,6 +82,23 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
             return _from_start(pace, table[:rows, :columns], field, bits)
         rows, columns = (smooth(n + n // 4 + 1) if more else n for n, more in zip(sizes, ends, strict=True))
         sizes = rows, columns
+
+
+def mean_of_pace(pace: Pace, digits: int) -> Real:
+    """The mean of 1/g over the torus, to ``digits``. PrecisionLoss if it needs too many samples."""
+    # the mean of samples at n intervals of half a period contains the modes of order 2n, 4n, …
+    bits, sizes = pace.field.bits + GUARD_BITS, series_sizes(pace, (digits + 1) // 2)
+    check_modes(sizes, digits, "portrait", "a field")
+    return pace.field.doubled(pace.field.coerce(int(cosines(pace, sizes, bits)[0, 0])), -bits)
+
+
+def check_modes(sizes: tuple[int, int], digits: int, name: str, nearer: str) -> None:
+    """Raises PrecisionLoss for too many modes; ``name`` is what was asked for, ``nearer`` what is within reach."""
+    if sizes[0] * sizes[1] * max(digits, USUAL_DIGITS) > MOST_MODES * USUAL_DIGITS:
+        raise PrecisionLoss(
+            f"{name}: 1/g takes a series of {sizes[0]} × {sizes[1]} modes for {digits} digits; fewer digits, {nearer} "
+            "are within reach"
+        )
 
 
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
