@@ -93,7 +93,7 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
     def _settled(self, read: Callable[[Any], Vectors], more: int = 0) -> Vectors:
         """The result of ``read`` for the torus of the motion, in long numbers with ``more`` digits than the field."""
         raise NotRepresentable(
-            f"portrait, spectrum, section: this motion of {self.system!r} is integrated, and its torus is not known"
+            f"portrait, spectrum, section, secular: this motion of {self.system!r} is integrated: no torus is known"
         )
 
     @property
@@ -118,8 +118,13 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
         names = zip((*COLUMNS, *terms, *system.further), sizes, strict=True)
         return Inputs(self._numbers, sizes), tuple(name for name, size in names if size)
 
+    # γ is a unit vector, and M is orthogonal to it
+    _dimensions = 6, 4
+
     def _secular(self, times: np.ndarray) -> np.ndarray:
-        raise NotRepresentable(f"secular: the secular parts of {self.system!r} are not computed; take matrix")
+        if self.system.body.rolls:
+            raise NotRepresentable(f"secular: phases of {self.system!r} are not linear in t, as d ≠ 0; take matrix")
+        return super()._secular(times)
 
     @property
     def _fastest(self) -> float:

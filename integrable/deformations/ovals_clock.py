@@ -72,7 +72,11 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
     """
     bits, sizes = field.context.prec + GUARD_BITS, series_sizes(pace, digits)
     while True:
-        check_modes(sizes, digits, "times", "times nearer to 0, or at_tau (the flow's own time)")
+        if sizes[0] * sizes[1] * max(digits, USUAL_DIGITS) > MOST_MODES * USUAL_DIGITS:
+            raise PrecisionLoss(
+                f"times: 1/g takes a series of {sizes[0]} × {sizes[1]} modes for {digits} digits; fewer digits, times "
+                "nearer to 0, or at_tau (the flow's own time) are within reach"
+            )
         table = cosines(pace, sizes, bits)
         loud = abs(table) > table[0, 0] // 10**digits
         # if the last modes are not small, the table is too small
@@ -85,20 +89,24 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
 
 
 def mean_of_pace(pace: Pace, digits: int) -> Real:
-    """The mean of 1/g over the torus, to ``digits``. PrecisionLoss if it needs too many samples."""
+    """The mean of 1/g over the torus, to ``digits``.
+
+    Its mean over one phase is (π/2K)∫dφ/√((1 − k²sin²φ)(P cos²φ + Q sin²φ)) from 0 to π/2, a quotient of two
+    arithmetic-geometric means. The other phase is the one whose modes decay faster.
+    """
+    import gmpy2
+
+    N, sizes = pace.field, series_sizes(pace, digits)
+    k = 0 if sizes[0] < sizes[1] else 1
     # the mean of samples at n intervals of half a period contains the modes of order 2n, 4n, …
-    bits, sizes = pace.field.bits + GUARD_BITS, series_sizes(pace, (digits + 1) // 2)
-    check_modes(sizes, digits, "portrait", "a field")
-    return pace.field.doubled(pace.field.coerce(int(cosines(pace, sizes, bits)[0, 0])), -bits)
-
-
-def check_modes(sizes: tuple[int, int], digits: int, name: str, nearer: str) -> None:
-    """Raises PrecisionLoss for too many modes; ``name`` is what was asked for, ``nearer`` what is within reach."""
-    if sizes[0] * sizes[1] * max(digits, USUAL_DIGITS) > MOST_MODES * USUAL_DIGITS:
-        raise PrecisionLoss(
-            f"{name}: 1/g takes a series of {sizes[0]} × {sizes[1]} modes for {digits} digits; fewer digits, {nearer} "
-            "are within reach"
-        )
+    curve, other, n = pace.curves[k], pace.curves[1 - k], (sizes[k] + 1) // 2
+    low, high = (pace.weights[1 - k] * (1 + pace.d * z) for z in pace.levels[1 - k][:2])
+    ratio, total = N.sqrt(other.above / other.breadth), N.zero
+    for j in range(n + 1):
+        share = pace.share(k, curve.at(j * N.one / (2 * n)))
+        value = other.thetas.mean / gmpy2.agm(N.sqrt(share + high), ratio * N.sqrt(share + low))
+        total += value if 0 < j < n else value / 2
+    return total / n
 
 
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:

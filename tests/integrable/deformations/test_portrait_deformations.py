@@ -241,6 +241,18 @@ def test_the_lines_add_up_to_the_motion(name) -> None:
     assert (found.frequencies > 0).sum() == len(found) - 1
 
 
+# --- what grows
+
+
+@pytest.mark.parametrize("name", ["check", "poles"])
+def test_the_secular_part_is_what_grows(name) -> None:
+    """Frequencies change with two functions of the inputs alone, and the rest of the derivatives stays bounded."""
+    found = flow_of(name).sensitivity([1e5 + 7])
+    assert abs(found.matrix).max() > 1e4
+    assert abs(found.periodic).max() < 10
+    assert np.linalg.matrix_rank(found.secular[0] / 1e5, tol=1e-9) == 2
+
+
 # --- special cases
 
 
@@ -289,7 +301,7 @@ def test_what_is_refused() -> None:
     for system in (Gyroscopic((1, 2, 4), 3), Tilde((1, 2, 4), potential=(3, 5, 2, 4, 6)), Tilde((1, 2, 2))):
         motion = system.motion_through(system.state(*START))
         for asked in (lambda m: m.portrait, lambda m: m.spectrum(), lambda m: m.section(1)):
-            with pytest.raises(NotRepresentable, match=r"portrait, spectrum, section: .*integrated"):
+            with pytest.raises(NotRepresentable, match=r"portrait, spectrum, section, secular: .*integrated"):
                 asked(motion)
     exact = Tilde((1, 2, 4), field=GF(101))
     with pytest.raises(ArgumentError, match="RR or MP"):
