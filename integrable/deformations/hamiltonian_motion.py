@@ -54,9 +54,9 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
         """The spectral lines of γ, M and Ω = ½∂H/∂M of a motion in repelling poles, in floats
         (:mod:`integrable.portrait.spectrum`).
 
-        NotRepresentable for any other motion and over MP(digits), PrecisionLoss next to a separatrix. Without a
-        potential the ovals of ũ1 and ũ2 share an end: the torus has a point at which M is infinite, and the lines do
-        not decay.
+        NotRepresentable for any other motion and over MP(digits). PrecisionLoss if a grid on the torus would be too
+        fine: poles weak compared with M² let the ovals of ũ1 and ũ2 come close. Without a potential
+        these share an end: the torus has a point at which M is infinite, and the lines do not decay.
         """
         _ = self.portrait
         raise NotRepresentable(

@@ -12,7 +12,7 @@ from scipy.optimize import root
 
 from integrable import Check, Gyroscopic, Hat, Tilde
 from jacobian import GF, MP, RR
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import replaced
 from tests.integrable.deformed_systems import KINDS, random_deformation
 
@@ -294,6 +294,9 @@ def test_what_is_refused() -> None:
             flow.section(**wrong)
     with pytest.raises(NotRepresentable, match=r"spectrum: .*M is infinite"):
         flow.spectrum()
+    weak = Tilde((1, 2, 4), potential=(0, 0, 0.01, 0.01, 0.01))
+    with pytest.raises(PrecisionLoss, match=r"spectrum: a grid of .* is needed"):
+        weak.flow(weak.state(*START)).spectrum()
     wide = SYSTEMS["poles"].over(MP(20))
     start = wide.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
     with pytest.raises(NotRepresentable, match=r"spectrum: .*MP\(20\)"):
