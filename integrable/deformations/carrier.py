@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
+SPARE_BITS = 16
+"""A point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -118,6 +120,46 @@ class CurvesCarrier(Carrier):
     def gap(self, point: GammaM, truth: Self, tau: Real) -> int:
         with truth.field:
             return super().gap(point, truth, truth.field.coerce(tau))
+
+    # --- the torus of both points (integrable.portrait.torus_portrait.OvalsTorus). The separated variables ũ1 < ũ2 move
+    # with ũ_k' = φ(ũ_k)p_k, where φ > 0 on the oval of ũ1 and φ < 0 on that of ũ2, so p_kdũ_k has these signs
+
+    signs: Sequence[Real] = (1, -1)
+
+    @property
+    def ovals(self) -> Sequence[EllipticOval]:
+        return self.curves
+
+    @property
+    def slowness(self) -> Real:
+        """The mean of dt/dτ over the torus."""
+        return self.field.one
+
+    @property
+    def tau_frequencies(self) -> list[Real]:
+        """The turns of both points per unit of τ, in the direction of the motion on their curves."""
+        return [self.speed / curve.period for curve in self.curves]
+
+    @property
+    def frequencies(self) -> list[Real]:
+        """The turns of both points per unit of t."""
+        slowness = self.slowness
+        return [nu / slowness for nu in self.tau_frequencies]
+
+    @property
+    def phases(self) -> list[Real]:
+        """The turns of both points at the start since the lower ends of the ovals of ũ_k."""
+        half = self.field.one / 2
+        return [c.phase + (half if z[3] < 0 else 0) for c, z in zip(self.curves, self.levels, strict=True)]
+
+    @property
+    def actions(self) -> list[Real]:
+        """Defined by subclasses: (1/2π)∮p_kdũ_k, positive."""
+        raise NotImplementedError
+
+    def moves(self, curve: EllipticOval) -> bool:
+        """Whether the point of a curve moves. If it rests, the ends of its oval are known to half of the digits."""
+        return bool(curve.swing > self.field.doubled(self.field.root_of_eps, SPARE_BITS) * curve.breadth)
 
 
 class OnCurves(ManyDigits):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from integrable.deformations.carrier import CurvesCarrier, OnCurves
+from integrable.deformations.carrier import CurvesCarrier, OnCurves, widened
 from integrable.deformations.equations import BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
@@ -14,6 +14,8 @@ from integrable.deformations.integrated import IntegratedMotion
 from integrable.deformations.quick_states import QuickStates
 from integrable.motion.precise import RoundedRows
 from integrable.motion.trajectory import Trajectory
+from integrable.mumford.motion import Vectors, settled_digits
+from integrable.phase.precisions import long_digits
 from integrable.phase.state import State
 from integrable.phase.ways import Way
 from integrable.portrait.sensitivity import Sensitivity
@@ -80,6 +82,11 @@ class DeformedFlow(HamiltonianMotion):
     @cached_property
     def _compiled(self) -> QuickStates:
         return QuickStates(self._many)
+
+    def _settled(self, read: Callable[[Any], Vectors], more: int = 0) -> Vectors:
+        return settled_digits(
+            lambda N: read(self._carrier(*widened(self.system, self.state, N))), long_digits(self.system.field) + more
+        )
 
     def _by_variations(self, run: Trajectory) -> Sensitivity | None:
         # at d ≠ 0 the derivatives are integrated: a difference quotient needs the clocks of two other motions, which

@@ -88,6 +88,27 @@ def modes_of_pace(pace: Pace, digits: int, field: MultiprecisionField) -> Modes:
         sizes = rows, columns
 
 
+def mean_of_pace(pace: Pace, digits: int) -> Real:
+    """The mean of 1/g over the torus, to ``digits``.
+
+    Its mean over one phase is (π/2K)∫dφ/√((1 − k²sin²φ)(P cos²φ + Q sin²φ)) from 0 to π/2, a quotient of two
+    arithmetic-geometric means. The other phase is the one whose modes decay faster.
+    """
+    import gmpy2
+
+    N, sizes = pace.field, series_sizes(pace, digits)
+    k = 0 if sizes[0] < sizes[1] else 1
+    # the mean of samples at n intervals of half a period contains the modes of order 2n, 4n, …
+    curve, other, n = pace.curves[k], pace.curves[1 - k], (sizes[k] + 1) // 2
+    low, high = (pace.weights[1 - k] * (1 + pace.d * z) for z in pace.levels[1 - k][:2])
+    ratio, total = N.sqrt(other.above / other.breadth), N.zero
+    for j in range(n + 1):
+        share = pace.share(k, curve.at(j * N.one / (2 * n)))
+        value = other.thetas.mean / gmpy2.agm(N.sqrt(share + high), ratio * N.sqrt(share + low))
+        total += value if 0 < j < n else value / 2
+    return total / n
+
+
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     """The numbers of modes of 1/g = Σ c_mn cos mθ1 cos nθ2 in both phases.
 

@@ -16,17 +16,21 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import BY_THETA_IN_POLES
 from integrable.deformations.separated_flow import check_distinct, interlaced
+from integrable.moving_point.elliptic_integrals import complete
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector, cross
 from integrable.phase.state import State
+from integrable.portrait.spectrum import Sampled, Spectrum, lines_of
 from integrable.torus.theta_series import half_turn
-from jacobian import poly
+from jacobian import RR, poly
 from jacobian.element import FormulaField, Real
-from jacobian.errors import NotRepresentable, shown
+from jacobian.errors import NotRepresentable, PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 
 __all__ = ["PoleFlow"]
@@ -90,6 +94,22 @@ class CubicCarrier(CurvesCarrier):
         state = (gamma[0], gamma[1], gamma[2])
         return state, cross(N, (w[0], w[1], w[2]), state)
 
+    @property
+    def actions(self) -> list[Real]:
+        # p_kdũ_k = (λ_k + Σb_ic_i/(a_i − ũ_k))dũ_k/y_k
+        system, pi = self.inner, half_turn()
+        near = float(self.field.root_of_eps) / 16
+        found = []
+        for value, curve, (first, second, *_) in zip(self.lambdas, self.curves, self.levels, strict=True):
+            wide, total = self.field.sqrt(curve.breadth), value * curve.period
+            ratio = self.field.sqrt(curve.above) / wide
+            for a, b, c in zip(system.a, system.potential.poles, system.body.differences, strict=True):
+                # a_i − ũ = (a_i − u₁)cos² + (a_i − u₂)sin² of the amplitude, from the end u₁ to the end u₂
+                p, one = (a - second) / (a - first), self.field.one
+                total += 2 * b * c / ((a - first) * wide) * complete(ratio, p, one, one, pi, near)
+            found.append(abs(total) / (2 * pi))
+        return found
+
     def _separated(self, state: State) -> tuple[list[Real], list[Real], list[Real]]:
         """The ũ_k, their derivatives, and the λ_k of the module's docstring."""
         K, a, poles = self.field, self.inner.a, self.inner.potential.poles
@@ -147,6 +167,22 @@ class PoleFlow(DeformedFlow):
 
     _carrier = CubicCarrier
     _cost = BY_THETA_IN_POLES
+
+    def spectrum(self) -> Spectrum:
+        portrait, system = self.portrait, self.system
+        if system.field != RR:
+            raise NotRepresentable(f"spectrum: it is computed in floats, this flow is over {system.field.name}")
+
+        def read(phases: np.ndarray) -> dict[str, np.ndarray]:
+            rows = self._compiled.at_phases(phases)
+            if rows is None:
+                raise PrecisionLoss("spectrum: floats have too few digits for this motion, next to a separatrix")
+            gamma, M = rows[:, :3], rows[:, 3:]
+            return {"gamma": gamma, "M": M, "omega": system._omega_along(gamma, M)}
+
+        # phases on the curves increase with time, and those of the portrait may decrease
+        senses = np.diag(np.sign(portrait.frequencies))
+        return lines_of(Sampled(read, (1, 1), senses, portrait.frequencies))
 
     def _terms(self) -> float:
         poles = self.system.potential.poles

@@ -109,6 +109,18 @@ class QuickStates:
             truth = carrier.point(carrier.field.coerce(float(tau[far])))
             return self._quick(carrier, packed, packed.at_tau(tau), far, truth)
 
+    def at_phases(self, phases: np.ndarray) -> np.ndarray | None:
+        """γ and M at phases of both curves in turns since the start, (N, 2): shape (N, 6); None if digits lack."""
+        carrier, wide = self._many.carrier, np.zeros((*phases.shape, 2))
+        wide[:, :, 0], far = phases, int(np.argmax(np.abs(phases).max(axis=1)))
+        with carrier.field:
+            packed = self._packed(carrier)
+            if packed is None:
+                return None
+            turns = zip(map(carrier.field.coerce, phases[far].tolist()), carrier.curves, strict=True)
+            truth = carrier.moved([turn * curve.period for turn, curve in turns])
+            return self._quick(carrier, packed, packed.at(wide.reshape(-1, 2)), far, truth)
+
     def times(self, tau: np.ndarray) -> np.ndarray | None:
         """Returns None: the physical times at values of τ are computed with many digits."""
         return None

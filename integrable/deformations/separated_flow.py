@@ -16,13 +16,14 @@ from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
 from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.oval import Pace
-from integrable.deformations.ovals_clock import OvalsClock
+from integrable.deformations.ovals_clock import OvalsClock, mean_of_pace
 from integrable.deformations.scalars import dot
 from integrable.moving_point.losses import digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Body, Vector, cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State, state_of_row
+from integrable.torus.theta_series import half_turn
 from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.inexact.long_field import LongField
@@ -167,6 +168,15 @@ class OvalCarrier(CurvesCarrier):
         return self._clocks
 
     _clocks: OvalsClock | None = None
+
+    @property
+    def slowness(self) -> Real:
+        return mean_of_pace(self.pace, self.digits) if self.rolls else super().slowness
+
+    @property
+    def actions(self) -> list[Real]:
+        # p_kdũ_k = λ_kdũ_k/y_k, and ∮dũ_k/y_k is the period
+        return [abs(x) * c.period / (2 * half_turn()) for x, c in zip(self.lambdas, self.curves, strict=True)]
 
 
 class SeparatedFlow(DeformedFlow):

@@ -286,6 +286,11 @@ class MumfordFlow(StateFlow[Path]):
         return *self.start.q, *self.start.p, *self.system.constants, *self.system.parameters
 
     @property
+    def _dimensions(self) -> tuple[int, int]:
+        constraints = sum(" = " in name for name in self.system._constraint_names)
+        return 2 * self.system.size, 2 * self.system.size - constraints
+
+    @property
     def _fastest(self) -> float:
         floats = self._through(self._numbers, RR)
         return largest_rate([floats.system.linearized(floats.start)])

@@ -38,8 +38,8 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     """
     (inputs, _), portrait, (digits, size) = flow._inputs(), flow.portrait, expected(flow, times)
     # phases and actions determine neither an angle about an axis nor the centre of mass of a lattice
-    free = 2 * flow.system.size - sum(" = " in name for name in flow.system._constraint_names)
-    if portrait.actions is None or free != 2 * flow._genus:
+    width, free = flow._dimensions
+    if portrait.actions is None or free != 2 * len(portrait.angles):
         raise NotRepresentable(f"secular: the phases of {flow.system!r} and its actions do not determine a state")
     start, digits = portrait.angles, digits + ceil(log10(size))
 
@@ -51,10 +51,10 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     def states(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
         return np.hstack(flow._through(numbers, K)._states(times))
 
-    by_start = differences(states, inputs, digits, size)[:, :, : 2 * flow.system.size]
+    by_start = differences(states, inputs, digits, size)[:, :, :width]
     angles, actions, slopes = differences(numbers_of, inputs, digits, size)
     # of all changes of the start that change one phase and no other phase or action, the least is taken
-    change = np.vstack([angles, actions])[:, : 2 * flow.system.size]
+    change = np.vstack([angles, actions])[:, :width]
     square = change @ change.T
     columns = [pivoted([[*row, row[0] * 0 + (i == k)] for i, row in enumerate(square)]) for k in range(len(angles))]
     if None in columns:

@@ -20,7 +20,8 @@ motion lies on its own curve,
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -114,20 +115,19 @@ def turned(
     oval: int,
     end: float,
     motion: tuple[Sequence[Real], Sequence[Real]],
-    start: float,
-    sums: OvalAngles,
-    rates: np.ndarray,
+    around: float,
+    delays: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> tuple[list[Real], np.ndarray, np.ndarray]:
     """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0 or
     ½), the phases (N, g − 1) of the other points there, and their change per crossing.
 
-    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``start`` is
-    the angle φ of the point of ``oval`` at the start. ``sums`` are the integrals of the differentials, summed over the
-    points; along the motion they grow at the ``rates``.
+    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``around``
+    are the turns φ/2π of the point of ``oval`` at the start. ``delays`` gives the times from the phases, (N, g), to the
+    crossings; None if φ is a function of the phase of its oval alone, and there are no delays.
     """
     count = whole(count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS)
     nu, place = motion
-    around = start / (2 * math.pi) - end
+    around -= end
     ahead = nu[oval] > 0
     first = math.floor(around + ON) + 1 if ahead else math.ceil(around - ON) - 1
     turns = [first + n if ahead else first - n for n in range(count)]
@@ -135,21 +135,27 @@ def turned(
     fractions = [[x - math.floor(x) for x in (p + f * t for p, f in zip(place, nu, strict=True))] for t in begin]
     phases = np.array(fractions, dtype=float)
     phases[:, oval] = end
-    late = sums.delays(phases, oval, rates)
+    late = delays(phases).tolist() if delays else [0] * count
     others = [k for k in range(len(nu)) if k != oval]
     rotation = np.array([float(nu[k] / nu[oval]) * (1 if ahead else -1) for k in others])
-    return [t + x for t, x in zip(begin, late.tolist(), strict=True)], phases[:, others], rotation
+    return [t + x for t, x in zip(begin, late, strict=True)], phases[:, others], rotation
+
+
+def end_of_oval(oval: int, end: str, genus: int) -> tuple[int, float]:
+    """The number of an oval, and the turns of its point at the "lower" or the "upper" end: 0 or ½."""
+    oval = whole(oval, "oval", f"the number of an oval is an int from 0 to {genus - 1}", 0, genus - 1)
+    return oval, 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
 
 
 def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """In floats: the times of the next ``count`` crossings, and the phases of the other points with their change from
     one crossing to the next.
     """
-    genus = len(torus.ovals)
-    oval = whole(oval, "oval", f"the number of an oval is an int from 0 to {genus - 1}", 0, genus - 1)
-    half = 0.5 if one_of(end, "end", ENDS, 'choose "lower" or "upper"') == "upper" else 0.0
+    oval, half = end_of_oval(oval, end, len(torus.ovals))
     motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
-    tau, theta, rotation = turned(count, oval, half, motion, float(torus.start[oval]), torus.in_floats, rates)
+    around = float(torus.start[oval]) / (2 * math.pi)
+    delays = partial(torus.in_floats.delays, oval=oval, rates=rates)
+    tau, theta, rotation = turned(count, oval, half, motion, around, delays)
     times = np.array([torus.slowness * t for t in tau], dtype=float)
     if torus.clock:
         times += torus.clock.at(*(np.array([t * nu % 1 for t in tau], dtype=float) for nu in torus.tau_frequencies))
@@ -165,7 +171,8 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
     portrait, K = flow.portrait, flow.system.field
     angles, sums = portrait.wide_angles("section"), sums_over_ovals(portrait.level)
     start, motion = sums.at(np.array([angles], dtype=float))[0, oval], (portrait.wide_tau_frequencies, angles)
-    tau, theta, rotation = turned(count, oval, 0.0, motion, float(start), sums, np.array([1.0, 0.0]))
+    delays = partial(sums.delays, oval=oval, rates=np.array([1.0, 0.0]))
+    tau, theta, rotation = turned(count, oval, 0.0, motion, float(start) / (2 * math.pi), delays)
     axes = portrait.level.axes[::-1] if oval else portrait.level.axes
     run = _refined(flow, np.array([*map(K.coerce, tau)], dtype=float if K == RR else object), axes[0])
     return BodySection(run, theta[:, 0], float(rotation[0]), axes)

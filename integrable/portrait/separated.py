@@ -71,12 +71,6 @@ class SeparatedTorus:
         self._close = least_part(N, curve[0])
         self._pi = N.coerce(MP(DIGITS_BEYOND + math.ceil(N.bits * DIGITS_A_BIT)).context.pi)
 
-    @property
-    def one(self) -> Real:
-        """The number 1 of the field in which the ovals are computed."""
-        one: Real = self._field.one
-        return one
-
     @cached_property
     def forms(self) -> list[Form]:
         return [*self.separation.forms, *(form for form, _ in self.separation.turns)]
@@ -244,10 +238,6 @@ class SeparatedTorus:
         """Whether the point of an oval moves: the radius of the oval is larger than rounding errors."""
         return bool(oval.radius > self._field.doubled(self._field.eps, SPARE_BITS) * max(map(abs, self._known)))
 
-    def may_rest(self, oval: PointOval) -> bool:
-        """Whether the ends of an oval may be a double root, which is known to half of the digits."""
-        return bool(oval.radius <= self._close)
-
     def place_of(self, e: Real) -> int:
         """The index of a branch point among the real branch points in ascending order."""
         return min(range(len(self._known)), key=lambda k: abs(self._known[k] - e))
@@ -339,7 +329,8 @@ class SeparatedTorus:
     def slowness(self) -> Real:
         """The mean of dt/dτ: 1, or a quotient of determinants of integrals if time is not a sum over the points."""
         if self.separation.slow is None:
-            return self.one
+            one: Real = self._field.one
+            return one
         N, (end, factor) = self._field, self.separation.slow
         slowed = [self._sampled(oval, self.separation.forms, lambda x: 1 / N.sqrt(abs(end - x))) for oval in self.ovals]
         areas = []
@@ -368,7 +359,7 @@ class SeparatedTorus:
 
     def _rates_at(self, turns: np.ndarray) -> np.ndarray:
         """dt/dτ in floats at phases (N, 2) in turns from the start."""
-        end, factor = self.separation.slow or (self.one, self.one)
+        end, factor = self.separation.slow or (self._field.one, self._field.one)
         found = np.full(len(turns), float(factor))
         for oval, phi in zip(self.ovals, self.in_floats.at(turns + np.array(self.phases, dtype=float)).T, strict=True):
             # differences from the nearer end of the oval lose no digits
@@ -387,6 +378,18 @@ class SeparatedTorus:
             for oval in self.ovals
         ]
         return [*found, *self.separation.momenta]
+
+    @property
+    def signs(self) -> list[Real]:
+        """The signs that make the actions of ovals positive, and the frequencies of points that rest."""
+        one, actions = self._field.one, self.actions
+        signs = [one for _ in self.frequencies]
+        for k, (oval, action) in enumerate(zip(self.ovals, actions or (), strict=False)):
+            # the ends of the oval of a point that rests are a double root, known to half of the digits, and its action
+            # is 0 up to rounding
+            if (self.frequencies[k] if oval.radius <= self._close else action) < 0:
+                signs[k] = -one
+        return signs
 
 
 def _mean(row: Sequence[Real], poles: Sequence[Pole]) -> Real:

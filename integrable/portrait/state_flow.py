@@ -162,6 +162,11 @@ class StateFlow(Generic[AnyRun]):
         return growth_on_torus(self, times)
 
     @property
+    def _dimensions(self) -> tuple[int, int]:
+        """The number of coordinates of a state, and how many of them are free of constraints."""
+        raise NotImplementedError
+
+    @property
     def _fastest(self) -> float:
         """The approximate fastest rate at which the state changes."""
         raise NotImplementedError
