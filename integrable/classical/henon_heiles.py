@@ -21,6 +21,7 @@ from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field, check_field
+from jacobian.immutable import at_once
 
 
 class HenonHeiles(QuadricSystem):
@@ -33,6 +34,7 @@ class HenonHeiles(QuadricSystem):
     before = 1
     _constraint_names = ("q_i ≠ 0 where l_i ≠ 0",)
 
+    @at_once
     def __init__(
         self,
         a: Iterable[Value],
@@ -46,10 +48,10 @@ class HenonHeiles(QuadricSystem):
         axes = len(self.constants)
         heights = [0] * axes if barriers is None else barriers
         shape = (self.field.coerce(x, name) for x, name in ((alpha, "alpha"), (beta, "beta"), (gamma, "gamma")))
-        self.parameters = (*shape, *elements(self.field, heights, "barriers", axes))
-        if self.parameters[0] == self.field.zero:
+        parameters = (*shape, *elements(self.field, heights, "barriers", axes))
+        if parameters[0] == self.field.zero:
             raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
-        self.size = axes + 1
+        vars(self).update(parameters=parameters, size=axes + 1)
 
     @classmethod
     def with_frequencies(cls, first: Value, second: Value, field: Field = RR) -> HenonHeiles:

@@ -300,7 +300,7 @@ class Wave:
 
     def _read(self, N: FormulaField, D: Extended) -> list[list[Real]]:
         f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
-        # the digits of u refer to the span of the edges, which is therefore returned too
+        # the error of u is relative to the distance of the last edge from the first, which is therefore returned too
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 

@@ -35,12 +35,12 @@ class SphericalPendulum(AxialSystem):
         return Point(rates[:3], rates[3:6])
 
     def _auxiliary(self, N: FormulaField, state: Point) -> tuple[Real, ...]:
-        """The tension q_3 − |p|², which is 3q_3 − 2h: in this form the equations of motion have the fewest products."""
+        """The factor q_3 − |p|² = 3q_3 − 2h of q in q'': with it the equations of motion have the fewest products."""
         return (state.q[2] - N.dot(state.p, state.p),)
 
     def _rational_rates(self, N: FormulaField, state: Point, auxiliary: tuple[Real, ...]) -> tuple[Real, ...]:
-        (x, y, z), (tension,) = state.q, auxiliary
-        return *state.p, tension * x, tension * y, tension * z - 1, 3 * state.p[2]
+        (x, y, z), (pull,) = state.q, auxiliary
+        return *state.p, pull * x, pull * y, pull * z - 1, 3 * state.p[2]
 
     def _integrals(self, N: FormulaField, state: Point) -> IntegralsByName:
         q, p = state

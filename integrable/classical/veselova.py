@@ -22,6 +22,7 @@ from jacobian import RR
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field
+from jacobian.immutable import at_once
 
 
 class Veselova(BodySystem):
@@ -31,6 +32,7 @@ class Veselova(BodySystem):
     angular velocity.
     """
 
+    @at_once
     def __init__(self, inertia: Iterable[Value], field: Field = RR) -> None:
         self._set_up_moments(field, inertia)
         K = self.field

@@ -112,8 +112,9 @@ def mean_of_pace(pace: Pace, digits: int) -> Real:
 def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     """The numbers of modes of 1/g = Σ c_mn cos mθ1 cos nθ2 in both phases.
 
-    The c_mn decay as e^(−m·strip) if 1/g has no singularity at |Im θ1| < strip, and likewise in n. Singularities are
-    the pole of z_k at the imaginary half-period of curve k, and the zeros of g² = Σ weight_k(1 + dz_k), where z_k < 0.
+    The c_mn decay as e^(−m·strip) if 1/g has no singularity at |Im θ1| < strip, and likewise in n. With the heights
+    z_k of :class:`integrable.deformations.oval.Pace`, singularities are the pole of z_k at the imaginary half-period of
+    curve k, and the zeros of g² = Σ weight_k(1 + dz_k), where z_k < 0.
 
     The abscissa on curve k is Z = μ_k·z_k with μ1 > 0 > μ2. On the second curve a zero of g² has a Z above all branch
     points, and is as far from the real axis as the pole. On the first curve its Z is below them, and it is nearer.

@@ -181,7 +181,8 @@ class QuickClock:
     def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
         """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.
 
-        ``turns`` are the phases at that time, and ``moved`` the times on the curves.
+        At that time both phases are ``turns``, and ``moved`` are the turns times the periods of the curves; ``tau`` is
+        an array of the one τ.
         """
         if not abs(float(self.clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False

@@ -33,8 +33,8 @@ NEAR = 4
 class GroupTranslations:
     """The translations T(τ) along ``direction`` on the curve of ``group``.
 
-    All methods must be called inside a ``with`` block of the field of ``group``. ``ends`` are the branch points with
-    lifts at which the moved pairs have a point; a point at a double point of the curve has to stay there.
+    All methods must be called inside a ``with`` block of the field of ``group``. If a pair contains a
+    branch point that has a lift, ``ends`` includes it. A point of a pair that is a double point of the curve must stay.
 
     On a model of even degree and odd genus, the sum of two divisors of degree g reduces to one of degree g + 1, which
     its class does not determine. There a point P₀ is added with one divisor, and subtracted with the other.

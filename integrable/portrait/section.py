@@ -98,7 +98,7 @@ class BodySection(Section):
         return found
 
     def figure(self) -> Figure:
-        """A picture: the crossings; for the largest moment also the curves of other motions of the upright body."""
+        """A picture of the crossings. For the axis of the largest moment it also has curves of other motions."""
         from integrable.portrait.pictures import section_figure
 
         return section_figure(self)

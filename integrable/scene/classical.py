@@ -48,7 +48,7 @@ class ClassicalSystem:
         return _state(self.system.state(q, p))
 
     def motion_through(self, state: State) -> ClassicalMotion:
-        """The motion of a state."""
+        """The motion that starts at ``state``; its ``at(times)`` returns the states, as the flow of a body does."""
         return ClassicalMotion(self, state)
 
     def integrals(self, state: State) -> Any:

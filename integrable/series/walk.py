@@ -33,8 +33,9 @@ LEAST_UNIT = 2.0**-8
 # a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
 # ``most`` steps of EVEN times the mean length would
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
-# a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong, or if it is later than 1/KNOWN_FROM of
-# the last time and predicts a difference in the last row above HOPELESS times the allowed one
+# a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong. A row later than 1/KNOWN_FROM of the
+# last time is also lost if the difference of the walks, continued linearly in time, exceeds HOPELESS times the allowed
+# difference in the last row
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 # compared rows are about APART steps apart
 APART = 1.0

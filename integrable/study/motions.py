@@ -236,7 +236,7 @@ class _Run:
 
 @contextmanager
 def _pieces(task: Task, tick: Tick) -> Iterator[Tick]:
-    """Yields ``tick`` for the pieces of a task. Pieces that turn out to be unnecessary count as done."""
+    """Yields a function to be called once for each piece of a task. At the end it is called for the pieces left."""
     left = task.pieces
 
     def step(label: str) -> None:

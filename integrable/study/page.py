@@ -193,7 +193,7 @@ def _section(title: str, text: str, rows: Sequence[Sequence[str]]) -> str:
 def _not_ahead(study: Study) -> str:
     title = "Rows where the divisor flow is not ahead"
     text = (
-        "A row is counted here if the flow is nowhere at least as accurate in the same run time or less. For each "
+        "The flow is not ahead of a row if no run of the flow is as accurate in the row's run time or less. For each "
         "scene and method the table has the number of such rows and the most accurate of them. Scenes with T ≥ 1000 "
         'come first, then rows that are more accurate, then rows that are faster. "Flow\'s error in that time" is the '
         'least error that the flow reaches in the row\'s run time; "flow as accurate after" is the run time in which '
@@ -212,9 +212,9 @@ def _horizons(study: Study) -> str:
         'competitor finished in x times the flow\'s time, and "none" that no method that was run reached that '
         'accuracy. "stopped" means that the methods could not run, because of a pole or because they gave up, and '
         '"refused" that the flow raised an error that names the reason. A column is one time T, in time scales of the '
-        "motion, or all times of the scene. The last four columns have the costs that no ratio includes, of the flow "
-        "and of these competitors: once a system, and once a machine as measured at first use in this process. Systems "
-        "of one kind share code of the flow; its import or compilation is counted for the first of them."
+        "motion, or all times of the scene. The last four columns have costs of the flow and of "
+        "these competitors that no ratio includes: those of a new system, and those of the first use on a machine. "
+        "Systems of one kind share code of the flow; its import or compilation is counted for the first of them."
     )
     columns = study.horizons
     once = ("flow, once a system", "competitor, once a system", "flow, once a machine", "competitor, once a machine")

@@ -45,7 +45,9 @@ class Part(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of an oval [a, b]: u, u − a, b − u, 1/√(1 − du), 1/Y with du/y = dφ/Y; (∫dx/y, ∫x dx/y) from a to u."""
+    """A point u of an oval [a, b]: u, u − a, b − u, 1/√(1 − d·u), and 1/Y, where the differential dx/y is dφ/Y; then
+    (∫dx/y, ∫x dx/y) from a to u.
+    """
 
     u: arb
     below: arb

@@ -5,8 +5,8 @@ A matrix M(k)/k, M linear in k, advances the window of d = deg F neighbouring co
 negated and M(k) is used alone. For β = 2^m near √p the entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of
 degree β − 1. Doubling gives their values at x = 0, β, 2β, …: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1
 factors. Shifts give the values at x + n and at later points from the values at x. A shift by a, in units of β, is
-a convolution with 1/(a + t), t an integer (Bostan, Gaudry and Schost, theorem 5). No a + t vanishes: a is n/β or an
-integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
+a convolution with 1/(a + t), |t| < n (Bostan, Gaudry and Schost, theorem 5). No a + t vanishes modulo p. An integer a
+is at least n. For a = n/β and n/β + n this follows from sβ/n ≠ ±1 modulo p for |s| ≤ 2n, n | β/2.
 """
 
 from __future__ import annotations

@@ -142,7 +142,7 @@ class Passes:
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
         """The summands with every coefficient changed at random by about ``part`` of its size, moved onto the curve.
 
-        Each coefficient counts as at least ``floor`` times as large as if all points were as large as the largest.
+        The size of a coefficient is its absolute value, but at least ``floor`` times the size in :func:`places`.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]

@@ -145,7 +145,7 @@ class Operators(Code):
         return self.write(f"icmp ne i{LANES} {bits}, 0")
 
     def float_of(self, value: Value) -> str:
-        """The operand of a float, an integer or the high part of a double-double."""
+        """The name of a value as an LLVM double: a float, a converted integer, or the high part of a double-double."""
         return str(value.parts[0] if value.kind is WIDE else self.cast(value, FLOAT).parts[0])
 
     def truth(self, value: Value) -> Value:

@@ -11,10 +11,11 @@ Real = Any  # float, a long real, a double-double
 
 
 def plus_product(total: Real, x: Real, y: Real) -> Real:
-    """total + x·y, one step of a long sum. The finished sum may be used only as a summand.
+    """total + x·y, one step of a long sum, which :func:`joined` ends.
 
-    In compiled double-double code the two parts of ``total`` may overlap until the sum is finished. The rounding error
-    of n terms is at most about n²·2⁻¹⁰⁶·Σ|x·y|. This is one step of algorithm 5.3 of Ogita, Rump & Oishi 2005.
+    In compiled double-double code the two parts of ``total`` may overlap, so it may be used only as a summand. The
+    rounding error of n terms is at most about n²·2⁻¹⁰⁶·Σ|x·y|. This is one step of algorithm 5.3 of Ogita, Rump &
+    Oishi 2005.
     """
     return total + x * y
 

@@ -29,7 +29,7 @@ Vector = tuple[Complex, Complex]
 # digits of integrals
 DIGITS = 33
 # largest number of nodes of a Gauss rule: if more are needed, branch points nearly meet. If all branch points are real,
-# the trapezoidal rule is shorter than a Gauss rule of more than MOST_NODES_IF_REAL nodes
+# the trapezoidal rule, one table for all paths, replaces Gauss rules of more than MOST_NODES_IF_REAL nodes
 MOST_NODES, MOST_NODES_IF_REAL = 2400, 400
 # number of nodes of the trapezoidal rule on either side of the middle of a path, SPACING apart in log(v/(1 − v)). Its
 # error is e^(−2π²/SPACING) = 5e-35. Omitting the ends adds e^(−NODES·SPACING/2) = 5e-55, or 1e-33 if a branch point

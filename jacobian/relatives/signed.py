@@ -13,8 +13,8 @@ q·y − p vanish on D and D', let b² be the leading coefficient of (p² − q�
     L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
 
 Then (σ'', ν'') = (L(e)σ + qν, N(e)σ + L''(e)ν)/(bκ'σ') and κ'' = κκ'. With D and D' exchanged the formula gives the
-same. This is a commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula s'' =
-P(e)/(b s s') gives σ''; with ν the addition stays regular where U(e) = 0.)
+same. This is a commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's formula σ'' =
+p(e)/(bσσ') for κ = κ' = 1 is singular where U(e) = 0 or U'(e) = 0; with ν the addition is regular there.)
 """
 
 from __future__ import annotations
@@ -148,7 +148,7 @@ class SignedGroup(Immutable):
             D = self.double(D)
 
     def add(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
-        """D + E. NotRepresentable where its weight is below the group's, or both summands contain one branch point."""
+        """D + E. NotRepresentable if its weight is below the group's, or if D and E contain the same branch point."""
         K = self.field
         if len(D.u) < len(E.u):
             D, E = E, D
