@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.differences import Inputs
     from integrable.portrait.section import Section
+    from integrable.portrait.sensitivity import Sensitivity
     from integrable.portrait.separated import SeparatedTorus
     from integrable.portrait.spectrum import Spectrum
     from integrable.portrait.torus_portrait import TorusPortrait
@@ -280,6 +281,11 @@ class MumfordFlow(StateFlow[Path]):
         names = (f"{part}{i}" for part in "qp" for i in range(n))
         sizes = (*[size] * n, *[size * rate] * n, *constants.values())
         return Inputs(self._numbers, sizes), (*names, *(name for name, change in constants.items() if change))
+
+    def _by_variations(self, run: Path) -> Sensitivity | None:
+        from integrable.mumford.variations import near_sensitivity
+
+        return near_sensitivity(self, run.times.copy()) if self._in_floats else None
 
     @property
     def _numbers(self) -> tuple[Real, ...]:

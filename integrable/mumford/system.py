@@ -309,12 +309,12 @@ class MumfordSystem(Made):
         genus = whole(genus, "genus", wanted, 1, self.size)
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
-    def _with(self, N: FormulaField, numbers: Sequence[Any]) -> MumfordSystem:
-        """The system with other constants and parameters, except that parameters that are 0 stay 0: their terms may
-        divide by quantities that vanish.
+    def _with(self, N: FormulaField, numbers: Sequence[Any], standing: tuple[bool, ...] | None = None) -> MumfordSystem:
+        """The system with other constants and parameters, except that those parameters are 0 that are not ``standing``,
+        by default those that are 0 already: their terms may divide by quantities that vanish.
         """
-        count = len(self.constants)
-        further = (x if stands else N.zero for x, stands in zip(numbers[count:], self._standing, strict=True))
+        count, standing = len(self.constants), self._standing if standing is None else standing
+        further = (x if stands else N.zero for x, stands in zip(numbers[count:], standing, strict=True))
         return replaced(self, field=N, constants=tuple(numbers[:count]), parameters=tuple(further))
 
     @property

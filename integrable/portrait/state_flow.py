@@ -107,9 +107,9 @@ class StateFlow(Generic[AnyRun]):
 
         ``matrix`` of the result has shape (N, 2n, 2n + m) for m constants; ``columns`` names the inputs. The start
         varies within its constraints. On the torus of a body the secular and periodic parts are separate. For a
-        deformation without curves, or with d ≠ 0 where feasible, the equations of variation are integrated. Otherwise
-        derivatives are difference quotients of motions in more digits, two for each input, which take seconds over
-        MP(digits) and next to a separatrix.
+        deformation without curves, or with d ≠ 0 where feasible, the equations of variation are integrated, and for a
+        system of any genus over RR at times near the start. Otherwise derivatives are difference quotients of motions
+        in more digits, two for each input, which take seconds over MP(digits) and next to a separatrix.
 
         A constant that is 0, so that a term of the equations is absent, has no column: a barrier l_i of a Hénon–Heiles
         system; d, c and the terms of the potential of a deformation. PrecisionLoss if derivatives are much larger than

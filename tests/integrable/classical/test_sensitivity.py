@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.portrait.sensitivity import by_differences
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, FieldError, NotRepresentable
 from tests.integrable.classical.rows import REAL
@@ -97,7 +98,7 @@ def test_beside_complex_steps_through_an_integrator(name, n) -> None:
     truth = by_complex_steps(name, system, state, times)
     assert found.matrix.shape == truth.shape == (2, 2 * len(state.q), len(found.columns))
     assert abs(found.matrix - truth).max() < 2e-12 * abs(truth).max()
-    assert found.way == "differences"
+    assert found.way == "integrated"
 
 
 def rates_of(system, q, p):
@@ -170,6 +171,31 @@ def test_many_digits_agree_with_floats() -> None:
     found = system.flow(state).sensitivity([2, 1e6])
     assert exact.matrix.dtype == object
     assert abs(found.matrix - exact.matrix.astype(float)).max() < 1e-15 * abs(found.matrix).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "n"), [("neumann", 2), ("toda", 3), ("garnier", 2), ("ellipsoid", 2), ("henon_heiles", 1), ("veselova", 2)]
+)
+def test_equations_of_variation_agree_with_differences_of_motions(name, n) -> None:
+    """Two methods that share no formula: Taylor series of jets, and motions by additions in 39 digits."""
+    system, state = REAL[name](RR, n)
+    flow, times = system.flow(state), np.array([0.0, 2.5, -1.5])
+    found = flow.sensitivity(times)
+    true = by_differences(flow, times)
+    assert (found.way, true.way, found.columns) == ("integrated", "differences", true.columns)
+    assert abs(found.matrix - true.matrix).max() <= 1e-15 * abs(true.matrix).max()
+
+
+def test_a_particle_far_from_the_input_has_a_derivative_that_begins_with_a_high_power() -> None:
+    chain = TodaLattice(8)
+    flow = chain.flow(chain.state((0, 0.5, -0.25, 0, 0.5, 0, 0, 0.25), (1, -1, 0.5, -0.5, 0, 0, 0.25, 0)))
+    found = flow.sensitivity([0.5, 3.0])
+    assert found.way == "integrated"
+    # the map is canonical
+    turn = np.kron([[0, 1], [-1, 0]], np.eye(8))
+    for S in found.matrix:
+        assert abs(S.T @ turn @ S - turn).max() < 1e-14 * abs(S).max() ** 2
+    assert 0 < abs(found.matrix[0, 4, 0]) < 1e-4
 
 
 def test_beside_an_unstable_equilibrium() -> None:
