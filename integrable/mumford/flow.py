@@ -42,8 +42,9 @@ if TYPE_CHECKING:
 
 # largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
-# BY_ADDITIONS is the cost of states by additions, and ON_TORUS that of states on a torus, for each genus. Taylor series
-# are tried up to a cost of LONGEST microseconds (python -m benchmarks near, real_torus)
+# BY_ADDITIONS is the cost of states by additions, and ON_TORUS that of states on a torus, for each genus. In genus > 3
+# the cost of a torus grows at least as the cube of the genus (python -m benchmarks mumford). Instead of additions,
+# Taylor series are tried up to a cost of LONGEST microseconds (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
 # the costs on a torus if t is not linear in τ, which takes longer in genus 2
@@ -167,7 +168,8 @@ class MumfordFlow(StateFlow[Path]):
     def _budget(self, count: int) -> float:
         """The microseconds for the set-up and ``count`` states: on the torus or, if there is none, by additions."""
         if self._of_a_torus:
-            return (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)].of(count)
+            cost = (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)]
+            return cost.of(count) * max(1.0, self._genus / 3) ** 3
         return self._cost_of_additions(count)
 
     def _cost_of_additions(self, count: int) -> float:
