@@ -161,7 +161,7 @@ class MumfordFlow(StateFlow[Path]):
         if near is not None and near.places is None:
             way, states, error = SERIES, near.states, near.error
         else:
-            ways = (lambda times: self._completed(near, times), self._on_torus, self._by_additions)
+            ways = (lambda times: self._completed(near, times), self._on_torus, self._far)
             way, states, _, error = filled(ways, given)
         return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
@@ -204,12 +204,28 @@ class MumfordFlow(StateFlow[Path]):
         return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
 
     def _by_additions(self, times: np.ndarray) -> StatesReached:
+        return self._by_rows(times, self._row, self._long_way)
+
+    def _far(self, times: np.ndarray) -> StatesReached:
+        """The states by additions; by sums over the ovals where additions fail. All pairs of a symmetric state, such as
+        a Toda lattice with q_{−i} = −q_i and p_{−i} = −p_i, are at special positions.
+        """
+        try:
+            return self._by_additions(times)
+        except PrecisionLoss:
+            floats: Any = self._over(RR)
+            # in floats, states on the torus have been compared with another method
+            if self._genus <= 2 or self.system.clocked or floats._torus is None:
+                raise
+            return self._by_rows(times, self._summed, TORUS)
+
+    def _by_rows(self, times: np.ndarray, row: Callable[[Real], Vectors], way: str) -> StatesReached:
         import numpy as np
 
         K, places = self.system.field, self._places(times.tolist())
-        states = [[[element(K, x) for x in part] for part in self._row(place)] for place in places]
+        states = [[[element(K, x) for x in part] for part in row(place)] for place in places]
         found = np.array(states, dtype=float if K == RR else object).reshape(len(times), 2, self.system.size)
-        return StatesReached(self._long_way, found)
+        return StatesReached(way, found)
 
     _long_way = ADDITIONS
     """The value of ``way`` for states that :meth:`_by_additions` computes."""
@@ -219,6 +235,27 @@ class MumfordFlow(StateFlow[Path]):
         return self._motion.row(
             time, lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time)), self.digits, self._clock
         )
+
+    def _summed(self, time: Real) -> Vectors:
+        """The state at a time, in long numbers, by sums over the ovals."""
+        return settled_digits(lambda N: self._summed_in(N, time), self.digits)
+
+    def _summed_in(self, N: LongField, time: Real) -> Point:
+        import gmpy2
+
+        if N.bits not in self._tori:
+            separated = self._separated(N)
+            self._tori[N.bits] = separated, self._pairs_on(N, separated)
+        torus, pairs = self._tori[N.bits]
+        angles, turned = torus.angles_at(N.coerce(time))
+        D = pairs(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [gmpy2.sin_cos(x)[::-1] for x in turned])
+        state: Point = self.system._back(N, self._inner(N), D, N.coerce(time))
+        return state
+
+    @cached_property
+    def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[[FormulaField, Angles, Angles], Extended]]]:
+        """For each number of bits in use, the ovals and the function that computes pairs from angles in them."""
+        return {}
 
     @property
     def _in_floats(self) -> bool:
