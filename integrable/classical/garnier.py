@@ -30,6 +30,8 @@ class Garnier(QuadricSystem):
     The squared frequencies of small oscillations about q = 0 are −αa_i − β.
     """
 
+    _least_axes = 1
+
     @at_once
     def __init__(self, a: Iterable[Value], alpha: Value = 1, beta: Value = 0, field: Field = RR) -> None:
         self._set_up(field, a, "a", 1)

@@ -34,6 +34,7 @@ class Neumann(SurfaceSystem, QuadricSystem):
     """
 
     _largest: int
+    _least_axes = 2
 
     @at_once
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:

@@ -161,7 +161,7 @@ class MumfordFlow(StateFlow[Path]):
         if near is not None and near.places is None:
             way, states, error = SERIES, near.states, near.error
         else:
-            ways = (lambda times: self._completed(near, times), self._on_torus, self._far)
+            ways = (lambda times: self._completed(near, times), self._on_moving_axes, self._on_torus, self._far)
             way, states, _, error = filled(ways, given)
         return Path(given, states.reshape(len(given), 2 * self.system.size), way, max(error, ROUNDED))
 
@@ -198,6 +198,28 @@ class MumfordFlow(StateFlow[Path]):
     @property
     def _walk_given(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         return self.system._walk_constants, (*self.start.q, *self.start.p)
+
+    @cached_property
+    def _of_moving_axes(self) -> tuple[MumfordFlow, list[int]] | None:
+        found = self.system._of_moving_axes(self.start)
+        if found is None:
+            return None
+        system, state, axes = found
+        return type(self)(system, state, self.tolerance), axes
+
+    def _on_moving_axes(self, times: np.ndarray) -> StatesReached | None:
+        """The states of a motion in a coordinate plane, from the system with the axes of the plane alone. In the whole
+        system its pairs have points at double points of the curve.
+        """
+        import numpy as np
+
+        if self._of_moving_axes is None:
+            return None
+        flow, axes = self._of_moving_axes
+        path = flow.at(times)
+        states = np.full((len(times), 2, self.system.size), self.system.field.zero, dtype=path.q.dtype)
+        states[:, :, axes] = np.stack([path.q, path.p], axis=1)
+        return StatesReached(path.way, states, None, path.estimate)
 
     def _on_torus(self, times: np.ndarray) -> StatesReached | None:
         torus = self._torus_for(len(times))

@@ -189,7 +189,7 @@ class MumfordMotion:
             extra *= 2
         raise PrecisionLoss(
             f"time = {shown(times if further else time)}: the additions lose more than {MOST_BITS} bits; "
-            "the motion passes a special position"
+            "the motion is on a separatrix or passes a special position"
         )
 
     def tau_at(self, time: Any, digits: int, clock: TimeAt | None) -> Any:

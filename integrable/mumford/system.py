@@ -167,6 +167,11 @@ class MumfordSystem(Made):
     _for_all_states = True
     """Whether ``_start`` and ``_back`` do the same operations for all states, so that they can be recorded once."""
 
+    _least_axes = 0
+    """If q_i = p_i = 0 at all times of a motion that begins so, where q_i belongs to the constant a_i alone: the least
+    number of constants. 0 for other systems.
+    """
+
     clocked = False
     """Whether t is not linear in τ. ``_clock`` then reads t from a pair, unless ``flow_type`` computes τ otherwise."""
 
@@ -389,6 +394,18 @@ class MumfordSystem(Made):
         """The constants and parameters of a system over RR; the final 0 keeps the tuple from being empty."""
         found: tuple[Any, ...] = (*self.constants, *self.parameters, 0.0)
         return found
+
+    def _of_moving_axes(self, state: Point) -> tuple[MumfordSystem, Point, list[int]] | None:
+        """The system with those axes alone in which a motion moves, its state, and the indices of these axes; None if
+        they are all axes.
+        """
+        axes = [i for i, pair in enumerate(zip(*state, strict=True)) if any(x != self.field.zero for x in pair)]
+        axes = sorted([*axes, *(i for i in range(self.size) if i not in axes)][: max(self._least_axes, len(axes))])
+        if not self._least_axes or len(axes) == self.size:
+            return None
+        a = [self.constants[i] for i in axes]
+        system = type(self)(**{**self.arguments, "a": a}, field=self.field)  # type: ignore[call-arg]
+        return system, Point(*(tuple(x[i] for i in axes) for x in state)), axes
 
     def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), at any times.
