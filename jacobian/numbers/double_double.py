@@ -77,11 +77,17 @@ def _finite(x: Any, convert: Callable[[Any], float]) -> float:
         high = convert(x)
         if isfinite(high):
             return high
-    raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    raise _beyond(x)
+
+
+def _beyond(x: Any) -> ArgumentError:
+    return ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
 
 
 def _split_mpfr(x: Any) -> tuple[float, float]:
-    high = _finite(x, float)
+    high = float(x)
+    if not isfinite(high):
+        raise _beyond(x)
     return high, float(_context(x.precision).sub(x, high))
 
 

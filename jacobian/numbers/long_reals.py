@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from math import isfinite
 from threading import RLock, local
 from typing import Any
 
@@ -54,6 +55,9 @@ class BareReals:
         if isinstance(x, int):
             return self._made(x, 0)
         if isinstance(x, float):
+            if self._exact is not None and isfinite(x):
+                # this takes a tenth of the time of mpfr(x); adding 0 turns −0.0 into 0
+                return self._exact.add(x, 0.0)
             numerator, denominator = x.as_integer_ratio()
             return self._made(numerator, 1 - denominator.bit_length())
         sign, mantissa, exponent, _ = x._mpf_
@@ -83,6 +87,8 @@ class BareReals:
 
     def _made(self, mantissa: Any, exponent: int) -> Any:
         x = self._gmpy2.mpfr(mantissa, self.bits)
+        if exponent == 0:
+            return x
         return self._exact.mul_2exp(x, exponent) if exponent >= 0 else self._exact.div_2exp(x, -exponent)
 
     def _parts(self, x: Any) -> tuple[Any, int]:
@@ -111,6 +117,7 @@ class BallReals(BareReals):
         self.bits = bits
         self._open = _Open()
         self._flint: Any = flint
+        self._exact = None
         self._type = flint.arb
 
     @contextmanager
