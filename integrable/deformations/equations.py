@@ -17,6 +17,7 @@ from integrable.motion.trajectory import Motion
 from integrable.phase.state import onto_constraints, state_of_row
 from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind
+from integrable.series.steps import PEAKED, PEAKED_ON
 from integrable.series.symbols import Symbol
 from jacobian import RR
 from jacobian.element import Real
@@ -86,8 +87,9 @@ class NearWalk(Integration):
         # at d ≠ 0 a third vector follows γ and M: (τ, 0, 0), or (t, 0, 0) if the walk is in τ
         given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
         most = self._cost.of(len(times))
-        near = kind.walked(*given, times, most)
-        if self._cost == BY_STEPS and not near.exhausted:
+        integrated = self._cost == BY_STEPS
+        near = kind.reached(given, times, most, (PEAKED_ON if integrated else PEAKED,))
+        if integrated and not near.exhausted:
             near = kind.finished(near, *given, times, most)
         if near.lacks(len(times)):
             return None

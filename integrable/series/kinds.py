@@ -132,7 +132,7 @@ class Kind:
         """The states at those times that are reached within about ``most`` microseconds, with coarser steps where an
         error of ``tolerance`` is allowed.
         """
-        return self._reached((constants, state), times, most, steps_for(tolerance))
+        return self.reached((constants, state), times, most, steps_for(tolerance))
 
     def finished(
         self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
@@ -141,11 +141,14 @@ class Kind:
         if near.places is None or not near.lacks(len(times)):
             return near
         left = np.setdiff1d(np.arange(len(times)), near.places)
-        more = self._reached((constants, state), times[left], most, (FINEST,))
+        more = self.reached((constants, state), times[left], most, (FINEST,))
         return self._joined([near, more.among(left)])
 
-    def _reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
-        """The states at times of either sign, in any order, that the steps of ``plan`` reach."""
+    def reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
+        """The states at times of either sign, in any order, that the steps of ``plan``, tried in turn, reach.
+
+        ``given`` are the constants and the state. Each walk takes about ``most`` microseconds at most.
+        """
         found = self._in_order(given, times, most, plan)
         if found is not None:
             return found
@@ -171,6 +174,9 @@ class Kind:
                 found = walk(*given, now, steps, most / walk.step_cost, tier)
                 if found.reached < 0:
                     return None
+                if found.tier == len(steps.tiers):
+                    # the last time is too far for all bounds
+                    break
                 if left is None and found.reached == len(times) and found.wrong is None:
                     return Near(None, found.states, SPARE * found.gap)
                 left = np.arange(len(times)) if left is None else left
