@@ -86,11 +86,7 @@ class NearWalk(Integration):
         kind, rolls = kind_in(system, physical), system.body.rolls
         # at d ≠ 0 a third vector follows γ and M: (τ, 0, 0), or (t, 0, 0) if the walk is in τ
         given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
-        most = self._cost.of(len(times))
-        integrated = self._cost == BY_STEPS
-        near = kind.reached(given, times, most, (PEAKED_ON if integrated else PEAKED,))
-        if integrated and not near.exhausted:
-            near = kind.finished(near, *given, times, most)
+        near = kind.reached(given, times, self._cost.of(len(times)), PEAKED_ON if self._cost == BY_STEPS else PEAKED)
         if near.lacks(len(times)):
             return None
         states = near.states if near.places is None else near.states[np.argsort(near.places)]

@@ -43,14 +43,14 @@ FINEST = Steps(WIDEST, (Bounds(1e-29, 1e-11, 1e3, 1e3, 2.0**-56),))
 BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
 ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
 IN_TURN = Steps(WIDE, (BRIEF, ROUGH, *FINE.tiers))
-# A deformation has an unbounded M, and differences of walks grow a thousandfold at each of its peaks. So the coarse
-# steps are used for shorter times. SHORT steps take 1.4 times as long as FINE ones and 2/3 of the time of FINEST ones,
-# which reach hardly more of 3,200 random motions. With PEAKED steps, without SHORT ones, a walk ends where fewer than
-# half of these motions are reached
-SHORT = Bounds(1e-29, 1e-8, 1e1, 1e1, 2.0**-56)
-_BRIEF, _ROUGH, (_FINE,) = BRIEF._replace(farthest=32.0), ROUGH._replace(farthest=64.0), FINE.tiers
-PEAKED = Steps(WIDE, (_BRIEF, _ROUGH, _FINE._replace(farthest=128.0)))
-PEAKED_ON = Steps(WIDE, (_BRIEF, _ROUGH, _FINE._replace(farthest=256.0), SHORT))
+# The M of a deformation is unbounded, and the difference of the walks grows a thousandfold at each of its peaks. So the
+# coarse steps are used for shorter times. The walk of PEAKED ends where it would reach the last time of fewer than half
+# of 3,200 random motions. PEAKED_ON goes on: SHORT steps take 2/3 of the time of FINEST ones and reach as many motions,
+# SHORTEST steps take 10/9 of it and reach more
+SHORT, SHORTEST = Bounds(1e-29, 1e-8, 1e1, 1e1, 2.0**-56), Bounds(1e-31, 1e-12, 3e1, 3e1, 2.0**-56)
+_NEAR, _FINE = (BRIEF._replace(farthest=32.0), ROUGH._replace(farthest=64.0)), FINE.tiers[0]
+PEAKED = (Steps(WIDE, (*_NEAR, _FINE._replace(farthest=128.0))),)
+PEAKED_ON = Steps(WIDE, (*_NEAR, _FINE._replace(farthest=256.0), SHORT)), Steps(WIDEST, (SHORTEST,))
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # The last terms of series are at most SHARE of the tolerance for PLAIN steps, in floats, and SHARE_OF_MIDDLE of it for
 # MIDDLE steps, whose first terms are double-doubles; the first float term of the latter is at most ROUNDED_IN_MIDDLE.
