@@ -37,7 +37,7 @@ MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
-NOISE = 4e-18
+NOISE = 1e-17
 # upper bound of the body's angular velocity divided by the rate of its faster phase; the largest ratios occur for large
 # d
 SWIFT = 100
@@ -201,7 +201,7 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
     Mode m of z is of the size nome^m, since the pole of z is at the imaginary half-period.
     """
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
-    first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
+    first, second = (max(FIRST_SIZE, 1 << (2 * n + 2).bit_length()) for n in modes)
     return first, second
 
 
