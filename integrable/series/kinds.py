@@ -19,6 +19,7 @@ import numpy as np
 
 from integrable.series.room import WALKS, Orders, Room
 from integrable.series.steps import (
+    FINER,
     FINEST,
     SPARE,
     Reached,
@@ -137,11 +138,11 @@ class Kind:
     def finished(
         self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
     ) -> Near:
-        """``near`` and the states at the remaining times, by finer steps with more guard digits."""
+        """``near`` and the states at the remaining times, by finer steps."""
         if near.places is None or not near.lacks(len(times)):
             return near
         left = np.setdiff1d(np.arange(len(times)), near.places)
-        more = self.reached((constants, state), times[left], most, (FINEST,))
+        more = self.reached((constants, state), times[left], most, (FINER, FINEST))
         return self._joined([near, more.among(left)])
 
     def reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
