@@ -45,12 +45,14 @@ FINEST = Steps(WIDEST, (Bounds(1e-31, 1e-12, 3e1, 3e1, 2.0**-56),))
 BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
 ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
 IN_TURN = Steps(WIDE, (BRIEF, ROUGH, *FINE.tiers))
-# The M of a deformation is unbounded, and the difference of the walks grows a thousandfold at each of its peaks. So the
-# coarse steps are used for shorter times. The walk of PEAKED is not begun where FINE steps would reach the last time of
-# about half of 3,200 random motions; that of PEAKED_ON goes on with finer ones
-_NEAR, _FINE = (BRIEF._replace(farthest=32.0), ROUGH._replace(farthest=64.0)), FINE.tiers[0]
-PEAKED = (Steps(WIDE, (*_NEAR, _FINE._replace(farthest=128.0))),)
-PEAKED_ON = Steps(WIDE, (*_NEAR, _FINE._replace(farthest=256.0), *FINER.tiers)), FINEST
+# The M of a deformation is unbounded, and the difference of the walks grows a thousandfold at each of its peaks: BRIEF
+# steps do not reach a third of the times of 32 times the first step. The steps that are cheapest on average of 3,200
+# random motions, walks in vain and the next way included, are those of INTEGRATED if no other way follows, of
+# BEFORE_CURVES if a way on two curves follows, and of BEFORE_CLOCK if it has a clock too, which takes twice as long
+_FIRST, _FINE, _FINER = BRIEF._replace(farthest=32.0), FINE.tiers[0], FINER.tiers[0]
+BEFORE_CURVES = (Steps(WIDE, (_FIRST, _FINE._replace(farthest=100.0))),)
+BEFORE_CLOCK = (Steps(WIDE, (_FIRST, _FINER._replace(farthest=200.0))),)
+INTEGRATED = Steps(WIDE, (_FIRST, _FINE._replace(farthest=200.0), _FINER)), FINEST
 PLAIN, MIDDLE = Orders(-1, 24), Orders(4, 28)
 # The last terms of series are at most SHARE of the tolerance for PLAIN steps, in floats, and SHARE_OF_MIDDLE of it for
 # MIDDLE steps, whose first terms are double-doubles; the first float term of the latter is at most ROUNDED_IN_MIDDLE.

@@ -30,9 +30,9 @@ GRAIN, MOST_UNITS = 2.0**-36, 2.0**16
 NOISE = 2.0**30
 # if the unit of time is between LEAST_UNIT and 1/LEAST_UNIT, no coefficient in the unit 1 leaves the range of floats
 LEAST_UNIT = 2.0**-8
-# a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
-# ``most`` steps of EVEN times the mean length would
-UNEVEN, KNOWN, EVEN = 4, 64, 1.25
+# a walk goes on if ``most`` further steps of UNEVEN times the present length would reach the last time; after KNOWN
+# steps, if ``most`` further steps of the mean length would
+UNEVEN, KNOWN = 4, 64
 # a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong, or if it is later than 1/KNOWN_FROM of
 # the last time and predicts a difference in the last row above HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
@@ -182,7 +182,8 @@ def walked(
     index of the bounds.
 
     ``tiers`` are :class:`Bounds` one after the other. The first of them are used, from the index ``tier`` on, that
-    allow a walk as far as the last of the times. A walk that is estimated to need more than ``most`` steps is given up.
+    allow a walk as far as the last of the times. A walk that is estimated to need more than ``most`` further steps is
+    given up.
     Times must be of one sign and ascend in size; otherwise the first number is −1.
     """
     course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
@@ -497,11 +498,11 @@ def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, 
 
 
 def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bool:
-    """Whether about ``most`` steps reach the time ``last``, estimated from the present step or the mean step."""
+    """Whether about ``most`` further steps reach the time ``last``, estimated from the present or the mean step."""
     left, gone = abs(last - now), abs(now)
     if not (step > 0 and gone < MOST_UNITS):
         return False
-    return left < UNEVEN * most * step if steps < KNOWN else steps * (gone + left) < EVEN * most * gone
+    return left < UNEVEN * most * step if steps < KNOWN else steps * left < most * gone
 
 
 def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:

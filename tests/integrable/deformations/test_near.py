@@ -12,7 +12,7 @@ from integrable.deformations.carrier import widened
 from integrable.deformations.equations import NearWalk, kind_in
 from integrable.phase.ways import Cost, InOrder
 from integrable.series.kinds import Compiled, Kind
-from integrable.series.steps import FINE, PEAKED_ON
+from integrable.series.steps import FINE, INTEGRATED
 from jacobian import MP, NotRepresentable
 
 SYSTEMS = {
@@ -102,7 +102,7 @@ def test_steps_past_peaks_are_those_of_thirty_digits() -> None:
     state, last = system.state(*START), np.array([60.0])
     fine, start = widened(system, state, MP(30))
     true = rows(fine.motion_through(start).at(last))
-    for steps in PEAKED_ON:
+    for steps in INTEGRATED:
         walk = kind_in(system, True).walk(steps.orders)
         found = walk(system.constants, state.row, last, steps, 1e4, len(steps.tiers) - 1)
         assert found.reached == 1
