@@ -45,8 +45,8 @@ FINEST = Steps(WIDEST, (Bounds(1e-31, 1e-12, 3e1, 3e1, 2.0**-56),))
 BRIEF = Bounds(1e-20, 1e-5, 3.0, 1e1, 2.0**-56, 64.0)
 ROUGH = Bounds(1e-22, 1e-6, 3.0, 1e1, 2.0**-56, 600.0)
 IN_TURN = Steps(WIDE, (BRIEF, ROUGH, *FINE.tiers))
-# The M of a deformation is unbounded, and the difference of the walks grows a thousandfold at each of its peaks: BRIEF
-# steps do not reach a third of the times of 32 times the first step. The steps that are cheapest on average of 3,200
+# The M of a deformation is unbounded, and the difference of the walks grows a thousandfold at each of its peaks. BRIEF
+# steps fail in two of five motions up to 32 times the first step. The steps that are cheapest on average of 3,200
 # random motions, walks in vain and the next way included, are those of INTEGRATED if no other way follows, of
 # BEFORE_CURVES if a way on two curves follows, and of BEFORE_CLOCK if it has a clock too, which takes twice as long
 _FIRST, _FINE, _FINER = BRIEF._replace(farthest=32.0), FINE.tiers[0], FINER.tiers[0]
