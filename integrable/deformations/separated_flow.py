@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
+from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.oval import Pace
 from integrable.deformations.ovals_clock import OvalsClock
 from integrable.deformations.scalars import dot
@@ -111,8 +112,7 @@ class OvalCarrier(CurvesCarrier):
                 "motion_through(state) integrates"
             )
         self.sizes = abs(self.speed) * (self.lambdas[0] - self.lambdas[1]), abs(self.before[1])
-        # only the signs of e' matter, so it may be the derivative with respect to any time
-        rate, spin = self.pair.vector_field(state), K.sqrt(h2)
+        rate, spin = right_hand_sides(self.pair, physical=False)(state.row), K.sqrt(h2)
         e, slope = ([x / spin for x in v] for v in _image(K, state, rate, h2))
         self._on_curves(e, slope)
         self.frame = self._frame(e, slope, back)
@@ -215,9 +215,9 @@ def _eigenvalues(K: LongField, H: Real, second: Real) -> tuple[Real, Real]:
     return -second / two, two
 
 
-def _image(K: LongField, state: State, rate: State, h2: Real) -> tuple[list[Real], list[Real]]:
+def _image(K: LongField, state: State, rate: Sequence[Real], h2: Real) -> tuple[list[Real], list[Real]]:
     """The vectors w = γ × M and |M|·(w/|M|)', from (γ, M)' = ``rate``."""
-    (gamma, M), (turn, pull) = state.vectors, rate.vectors
+    (gamma, M), turn, pull = state.vectors, (rate[0], rate[1], rate[2]), (rate[3], rate[4], rate[5])
     w = cross(K, gamma, M)
     moved = [x + y for x, y in zip(cross(K, turn, M), cross(K, gamma, pull), strict=True)]
     growth = sum(x * y for x, y in zip(M, pull, strict=True)) / h2
@@ -270,6 +270,7 @@ def _signs(curves: Sequence[EllipticOval], e: Sequence[Real], slope: Sequence[Re
     for i in range(3):
         j, k = i - 2, i - 1
         rate = SLOPES[0][i] * p[j] * p[k] * q[i] + SLOPES[1][i] * q[j] * q[k] * p[i]
+        # |M| contributes to the derivative too: with one by t in place of τ the sum had the wrong sign for a large d
         match = p[i] * q[i] * e[i] * (one.breadth + two.breadth) + rate * slope[i]
         result.append(1 if match > 0 else -1)
     return result
