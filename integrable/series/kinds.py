@@ -148,7 +148,7 @@ class Kind:
     def reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
         """The states at times of either sign, in any order, that the steps of ``plan``, tried in turn, reach.
 
-        ``given`` are the constants and the state. Each walk takes about ``most`` microseconds at most.
+        ``given`` are the constants and the state. A walk is given up if it would take ``most`` more microseconds.
         """
         found = self._in_order(given, times, most, plan)
         if found is not None:
