@@ -7,10 +7,9 @@ The arithmetic is compiled: :mod:`jacobian.native`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from fractions import Fraction
 from functools import lru_cache
-from math import isfinite, ldexp
+from math import inf, isfinite, ldexp
 from numbers import Integral
 from typing import Any
 
@@ -73,21 +72,17 @@ def _split_mpf(x: Any) -> tuple[float, float]:
 
 def _finite(x: Any, convert: Callable[[Any], float]) -> float:
     """The float nearest to x, by ``convert``; ArgumentError beyond the range of floats."""
-    with suppress(OverflowError):
+    try:
         high = convert(x)
-        if isfinite(high):
-            return high
-    raise _beyond(x)
-
-
-def _beyond(x: Any) -> ArgumentError:
-    return ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    except OverflowError:
+        high = inf
+    if isfinite(high):
+        return high
+    raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
 
 
 def _split_mpfr(x: Any) -> tuple[float, float]:
-    high = float(x)
-    if not isfinite(high):
-        raise _beyond(x)
+    high = _finite(x, float)
     return high, float(_context(x.precision).sub(x, high))
 
 

@@ -22,6 +22,9 @@ class BareReals:
     reals.at(bits):`` does so for another precision. Operations round to the precision in force.
     """
 
+    # the gmpy2 context of these numbers; other kinds have none
+    _exact: Any = None
+
     def __init__(self, bits: int) -> None:
         import gmpy2
 
@@ -29,7 +32,7 @@ class BareReals:
         self._open = _Open()
         self._gmpy2: Any = gmpy2
         self._type: Any = type(gmpy2.mpfr(0))
-        self._exact: Any = gmpy2.context(precision=bits)
+        self._exact = gmpy2.context(precision=bits)
         # the imaginary unit: adding its multiples gives complex numbers
         self.i: Any = gmpy2.mpc(0, 1)
 
@@ -117,7 +120,6 @@ class BallReals(BareReals):
         self.bits = bits
         self._open = _Open()
         self._flint: Any = flint
-        self._exact = None
         self._type = flint.arb
 
     @contextmanager
