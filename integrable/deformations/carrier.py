@@ -20,6 +20,7 @@ from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
+from integrable.torus.theta_series import long_numbers
 from jacobian.element import FormulaField, Real
 from jacobian.errors import PrecisionLoss, shown, written
 from jacobian.inexact.long_field import LongField
@@ -185,7 +186,7 @@ class OnCurves(ManyDigits):
     def carrier_of(self, digits: int) -> CurvesCarrier:
         """The motion with ``digits`` digits, or more if its point at τ = 0 does not reproduce the state."""
         for _ in range(3):
-            with LongField(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
+            with long_numbers(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
                 gap = carrier.difference(carrier.shown, carrier.start.vectors)
             missing = gap + self.digits + SPARE
@@ -208,5 +209,5 @@ def with_axes(system: Any, order: Sequence[int]) -> Any:
 
 def widened(system: Hamiltonian, state: State, numbers: Any) -> tuple[Any, State]:
     """The same system and state over a field of more digits, with the state projected onto the constraints."""
-    wide = system.over(numbers)
+    wide = system._of_constants(numbers, [*map(numbers.coerce, system.constants)])
     return wide, onto_constraints(wide, state)

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from integrable.deformations.carrier import CurvesCarrier, OnCurves, widened
-from integrable.deformations.equations import BY_THETA, NearWalk
+from integrable.deformations.equations import BY_CLOCK, BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.deformations.integrated import IntegratedMotion
@@ -45,7 +45,7 @@ class DeformedFlow(HamiltonianMotion):
     _carrier: ClassVar[type[CurvesCarrier]]
     """The class of the motion over wide numbers."""
     _cost = BY_THETA
-    """The cost of states that are computed on the curves."""
+    """The cost of states that are computed on the curves at d = 0."""
 
     @at_once
     def __init__(self, system: Hamiltonian, state: State) -> None:
@@ -98,7 +98,7 @@ class DeformedFlow(HamiltonianMotion):
 
     def _ways(self) -> Iterator[Way]:
         if self.system.field == RR:
-            yield NearWalk(self, self._cost)
+            yield NearWalk(self, BY_CLOCK if self.system.body.rolls else self._cost)
             if not interpreted():
                 yield self._compiled
         yield self._curves

@@ -17,14 +17,17 @@ from integrable.motion.trajectory import Motion
 from integrable.phase.state import onto_constraints, state_of_row
 from integrable.phase.ways import Cost
 from integrable.series.kinds import Formulas, Kind
+from integrable.series.steps import BEFORE_CLOCK, BEFORE_CURVES, INTEGRATED
 from integrable.series.symbols import Symbol
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.immutable import made_once
 
-# microseconds for the set-up and for each state: by theta functions, without potential and with repelling poles
-# b_i/γ_i² in it, and by integration (python -m benchmarks near)
-BY_THETA, BY_THETA_IN_POLES, BY_STEPS = Cost(300, 1), Cost(450, 1), Cost(150_000, 0)
+# microseconds for the set-up and for each state, in the unit of integrable.series.steps.step_cost: by theta functions,
+# without potential, with repelling poles b_i/γ_i² in it and with a clock, and by integration (python -m benchmarks near)
+BY_THETA, BY_THETA_IN_POLES, BY_CLOCK, BY_STEPS = Cost(300, 1), Cost(450, 1), Cost(600, 1), Cost(150_000, 0)
+# the steps of a walk that is tried before the next way, by the cost of this way; BEFORE_CURVES are those for all others
+STEPS = {BY_CLOCK: BEFORE_CLOCK, BY_STEPS: INTEGRATED}
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Real]], list[Real]]:
@@ -85,10 +88,7 @@ class NearWalk(Integration):
         kind, rolls = kind_in(system, physical), system.body.rolls
         # at d ≠ 0 a third vector follows γ and M: (τ, 0, 0), or (t, 0, 0) if the walk is in τ
         given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
-        most = self._cost.of(len(times))
-        near = kind.walked(*given, times, most)
-        if self._cost == BY_STEPS and not near.exhausted:
-            near = kind.finished(near, *given, times, most)
+        near = kind.reached(given, times, self._cost.of(len(times)), STEPS.get(self._cost, BEFORE_CURVES))
         if near.lacks(len(times)):
             return None
         states = near.states if near.places is None else near.states[np.argsort(near.places)]

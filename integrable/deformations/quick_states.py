@@ -36,7 +36,7 @@ MOST_LOST, LOST_DIGIT = 1e-20, -20
 # largest relative error of 1/g, and of a time from the clock: some rounding units of floats
 MOST_OFF = 4e-14
 # modes of 1/g below this, relative to its mean, are omitted; larger ones would affect the last bit of τ
-NOISE = 4e-18
+NOISE = 1e-17
 # upper bound of the body's angular velocity divided by the rate of its faster phase; the ratio is largest for large d
 SWIFT = 100
 # number of samples of 1/g beyond which the series of integrable.deformations.ovals_clock is cheaper
@@ -50,7 +50,7 @@ class PackedCurves(NamedTuple):
 
     ``curves`` are its ovals for times τ, ``turning`` those for phases in turns; ``levels`` are those of
     :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. ``before``
-    has H and K of the start, and ``sizes`` the units of their errors.
+    has H and K of the start, and ``most_lost`` their largest errors.
     """
 
     curves: tuple[OvalThetas, OvalThetas]
@@ -59,7 +59,7 @@ class PackedCurves(NamedTuple):
     formulas: PointFormulas
     fixed: np.ndarray
     before: np.ndarray
-    sizes: np.ndarray
+    most_lost: np.ndarray
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """R₁, R₂, R₃ and z of the point on each curve (:mod:`integrable.deformations.oval`) at N τ, shape (8, N, 2)."""
@@ -136,10 +136,11 @@ class QuickStates:
             return None
         phases, tau = clock.clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
-        moved = [turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)]
-        if not clock.holds(moved, turns, tau[far : far + 1], times[far]):
+        truth = carrier.moved([turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)])
+        rate = carrier.field.sqrt(carrier.system.body.conformal(truth[0]))
+        if not clock.holds(turns, rate, tau[far : far + 1], times[far]):
             return None
-        rows = self._quick(carrier, packed, packed.at(phases), far, carrier.moved(moved))
+        rows = self._quick(carrier, packed, packed.at(phases), far, truth)
         return None if rows is None else (rows, tau)
 
     def _quick(
@@ -147,16 +148,17 @@ class QuickStates:
     ) -> np.ndarray | None:
         """γ and M at points of the curves; None if H or K drifts, or if row ``far`` differs from ``truth``."""
         found = packed.formulas.at(packed.fixed, points)
-        change = np.abs(((found[:, 6:] - packed.before) @ (1.0, 1.0)) / packed.sizes)
-        if not (change <= MOST_LOST).all():
+        change = found[:, 6:] - packed.before
+        if not (np.abs(change[:, :, 0] + change[:, :, 1]) <= packed.most_lost).all():
             return None
-        places = np.argsort(carrier.order)
-        found = found[:, np.concatenate([places, 3 + places])]
-        found[:, 3:] *= carrier.side
-        shown = [carrier.field.coerce(high) + carrier.field.coerce(low) for high, low in found[far].tolist()]
+        if carrier.order != [0, 1, 2]:
+            places = np.argsort(carrier.order)
+            found[:, :6] = found[:, np.concatenate([places, 3 + places])]
+            found[:, 3:6] *= carrier.side
+        shown = [carrier.field.coerce(high) + carrier.field.coerce(low) for high, low in found[far, :6].tolist()]
         if carrier.difference((shown[:3], shown[3:]), truth) > LOST_DIGIT:
             return None
-        return np.ascontiguousarray(found[:, :, 0])
+        return np.ascontiguousarray(found[:, :6, 0])
 
 
 class QuickClock:
@@ -166,7 +168,7 @@ class QuickClock:
     """
 
     def __init__(self, pace: Pace, packed: PackedCurves) -> None:
-        loops, self._true_pace = CompiledLoops(), pace
+        loops = CompiledLoops()
         # the turns of either phase per unit of τ
         rates = [curve.numbers[0] for curve in packed.curves]
         turns = [float(high) for high, _ in rates]
@@ -178,21 +180,21 @@ class QuickClock:
         self.clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
         self.paces = [nu / float(mean[0]) for nu in turns]
 
-    def holds(self, moved: list[Real], turns: list[Mpf], tau: np.ndarray, time: float) -> bool:
-        """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ agrees with that of the curves.
+    def holds(self, turns: list[Mpf], rate: Real, tau: np.ndarray, time: float) -> bool:
+        """Whether the clock is accurate at ``time``: t(τ) returns this time, and dt/dτ is ``rate``, that of the state.
 
-        At that time both phases are ``turns``, and ``moved`` are the turns times the periods of the curves; ``tau`` is
-        an array of the one τ.
+        ``turns`` are the phases at that time; ``tau`` is an array of the one τ.
         """
         if not abs(float(self.clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False
         values, (rows, columns), _ = self._spectrum
-        half = values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].reshape(-1, columns, 2) @ np.array([1, 1j])
+        half = values[: (rows + 2) * columns, 0].copy().view(complex).reshape(-1, columns)
         first, second = (2j * np.pi * float(x - round(x)) for x in turns)
-        ahead, across = np.arange(rows // 2 + 1), np.fft.fftfreq(columns, 1 / columns)
-        weights = np.where(ahead % (rows // 2) == 0, 1, 2) * np.exp(first * ahead)
-        shown = float((weights @ half @ np.exp(second * across)).real)
-        return abs(shown / float(self._true_pace.at(moved)) - 1) <= MOST_OFF
+        ahead, across = np.exp(first * np.arange(rows // 2 + 1)), np.arange(columns)
+        ahead[1:-1] *= 2
+        across[columns // 2 :] -= columns
+        shown = float((ahead @ half @ np.exp(second * across)).real)
+        return abs(shown / float(rate) - 1) <= MOST_OFF
 
 
 def _unless(made: Callable[..., Made], *arguments: object) -> Made | None:
@@ -208,7 +210,7 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
     Mode m of z on a curve is of the size nome^m, since the pole of z is at the imaginary half-period.
     """
     modes = (int(log(NOISE) / log(max(float(curve.thetas.nome), NOISE))) for curve in pace.curves)
-    first, second = (max(FIRST_SIZE, 1 << (2 * n + 4).bit_length()) for n in modes)
+    first, second = (max(FIRST_SIZE, 1 << (2 * n + 2).bit_length()) for n in modes)
     return first, second
 
 
@@ -241,7 +243,7 @@ def packed(carrier: CurvesCarrier) -> PackedCurves:
         formulas,
         formulas.fixed(carrier.field, [*compress(system.constants, there), *flat(carrier.frame)]),
         double_double_row(carrier.before),
-        np.array([*map(float, carrier.sizes)]),
+        MOST_LOST * np.array([*map(float, carrier.sizes)]),
     )
 
 

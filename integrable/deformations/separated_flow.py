@@ -283,6 +283,7 @@ def _signs(curves: Sequence[EllipticOval], e: Sequence[Real], slope: Sequence[Re
     for i in range(3):
         j, k = i - 2, i - 1
         rate = SLOPES[0][i] * p[j] * p[k] * q[i] + SLOPES[1][i] * q[j] * q[k] * p[i]
+        # |M| contributes to the derivative too: with one by t in place of τ the sum had the wrong sign for a large d
         match = p[i] * q[i] * e[i] * (one.breadth + two.breadth) + rate * slope[i]
         result.append(1 if match > 0 else -1)
     return result

@@ -263,11 +263,12 @@ def part_of_round(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cos
     s, c = sine / size, cosine / size
     rough = atan2(s, c)
     for a, b in levels[:-1]:
-        p, q = (a - b) * s * c, a * c * c + b * s * s
-        size = N.sqrt(p * p + q * q)
-        p, q, s, c = p / size, q / size, 2 * s * c, (c - s) * (c + s)
-        s, c = s * q - c * p, c * q + s * p
-        rough = 2 * rough - atan2(p, q)
+        # φ is replaced by φ + ψ with a·tan ψ = b·tan φ
+        one, two, both = a * c * c, b * s * s, s * c
+        s, c = (a + b) * both, one - two
+        size = N.sqrt(s * s + c * c)
+        rough = 2 * rough - atan2((a - b) * both / size, (one + two) / size)
+        s, c = s / size, c / size
     rest = gmpy2.atan2(s, c)
     rounds = round((rough - float(rest)) / (2 * pi))
     return (rest + 2 * rounds * half_turn()) / 2 ** (len(levels) - 1)
@@ -321,11 +322,14 @@ def theta_table(N: LongField, k: Real, k1: Real) -> ThetaTable:
     levels, others = means(N, k1), means(N, k) if k else []
     # e^(−πK'/K), where K and K' are proportional to 1/mean(1, k₁) and 1/mean(1, k)
     nome = gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0]) if k else N.zero
-    count = terms_of(nome, N.eps)
-    odd, even = [nome ** (n * n + n) for n in range(count)], [2 * nome ** (n * n) for n in range(count)]
-    even[0] = N.one
-    table = []
-    for n, (o, e) in enumerate(zip(odd, even, strict=True)):
-        sign = 1 - 2 * (n % 2)
-        table += [sign * o, o, e, sign * e]
+    odd, even, table = list[Real](), list[Real](), list[Real]()
+    power, square = N.one, N.one
+    # ``power`` is nome^n, ``square`` is nome^(n²)
+    while len(odd) < 2 or square >= N.eps:
+        o, e = square * power, 2 * square if odd else N.one
+        table += [-o, o, e, -e] if len(odd) % 2 else [o, o, e, e]
+        odd.append(o)
+        even.append(e)
+        power = power * nome
+        square = o * power
     return ThetaTable(levels, others, nome, table, (sum(odd), sum(even), sum(even[::2]) - sum(even[1::2])))

@@ -132,20 +132,23 @@ class Kind:
         """The states at those times that are reached within about ``most`` microseconds, with coarser steps where an
         error of ``tolerance`` is allowed.
         """
-        return self._reached((constants, state), times, most, steps_for(tolerance))
+        return self.reached((constants, state), times, most, steps_for(tolerance))
 
     def finished(
         self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
     ) -> Near:
-        """``near`` and the states at the remaining times, by finer steps with more guard digits."""
+        """``near`` and the states at the remaining times, by finer steps."""
         if near.places is None or not near.lacks(len(times)):
             return near
         left = np.delete(np.arange(len(times)), near.places)
-        more = self._reached((constants, state), times[left], most, (FINEST,))
+        more = self.reached((constants, state), times[left], most, (FINEST,))
         return self._joined([near, more.among(left)])
 
-    def _reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
-        """The states at times of either sign, in any order, that the steps of ``plan`` reach."""
+    def reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
+        """The states at times of either sign, in any order, that the steps of ``plan``, tried in turn, reach.
+
+        ``given`` are the constants and the state. A walk is given up if it would take ``most`` more microseconds.
+        """
         found = self._in_order(given, times, most, plan)
         if found is not None:
             return found

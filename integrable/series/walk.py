@@ -30,9 +30,9 @@ GRAIN, MOST_UNITS = 2.0**-36, 2.0**16
 NOISE = 2.0**30
 # if the unit of time is between LEAST_UNIT and 1/LEAST_UNIT, no coefficient in the unit 1 leaves the range of floats
 LEAST_UNIT = 2.0**-8
-# a walk goes on if ``most`` steps of UNEVEN times the present length would reach the last time; after KNOWN steps, if
-# ``most`` steps of EVEN times the mean length would
-UNEVEN, KNOWN, EVEN = 4, 64, 1.25
+# a walk goes on if ``most`` further steps of UNEVEN times the present length would reach the last time; after KNOWN
+# steps, if ``most`` further steps of the mean length would
+UNEVEN, KNOWN = 4, 64
 # a walk ends after more than MOST_LOST lost rows. A row is lost if it is wrong. A row later than 1/KNOWN_FROM of the
 # last time is also lost if the difference of the walks, continued linearly in time, exceeds HOPELESS times the allowed
 # difference in the last row
@@ -183,7 +183,7 @@ def walked(
     index of the bounds.
 
     ``tiers`` are :class:`Bounds` one after the other. The walk uses the first bounds from the index ``tier`` on whose
-    ``farthest`` admits the last time. A walk that is estimated to need more than ``most`` steps is given up.
+    ``farthest`` admits the last time. A walk that is estimated to need more than ``most`` further steps is given up.
     Times must be of one sign and ascend in size; otherwise the number of times reached is −1.
     """
     course = begun(codes, tiers, layout, given, room, 0, outputs, tier)
@@ -498,11 +498,11 @@ def put_states(layout: Layout, ahead: Array, lane: int, row: int, fitting: int, 
 
 
 def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bool:
-    """Whether about ``most`` steps reach the time ``last``, estimated from the present step or the mean step."""
+    """Whether about ``most`` further steps reach the time ``last``, estimated from the present or the mean step."""
     left, gone = abs(last - now), abs(now)
     if not (step > 0 and gone < MOST_UNITS):
         return False
-    return left < UNEVEN * most * step if steps < KNOWN else steps * (gone + left) < EVEN * most * gone
+    return left < UNEVEN * most * step if steps < KNOWN else steps * left < most * gone
 
 
 def compared(layout: Layout, agreed: float, seen: Compared, limit: int, outputs: Outputs) -> Compared:

@@ -24,6 +24,7 @@ class LongField(InexactField):
         self.bits = bits
         self.complex = complex
         self._reals = BareReals(bits)
+        self._real: Any = self._reals.number
         self._mpc: Any = gmpy2.mpc
         self._sqrt: Any = gmpy2.sqrt
         self._exponent, self._times, self._over = gmpy2.get_exp, gmpy2.mul_2exp, gmpy2.div_2exp
@@ -52,9 +53,6 @@ class LongField(InexactField):
         if self.complex:
             return self._mpc(self._real(value.real), self._real(value.imag))
         return self._real(value)
-
-    def _real(self, value: Any) -> Any:
-        return self._reals.number(value)
 
     def exponent(self, x: Any) -> int | None:
         """The exponent e with 2^(e−1) ≤ |x| < 2^e; None for 0."""

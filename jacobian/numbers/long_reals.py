@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from math import isfinite
 from threading import RLock, local
 from typing import Any
 
@@ -21,6 +22,9 @@ class BareReals:
     reals.at(bits):`` does so for another precision. Operations round to the precision in force.
     """
 
+    # the gmpy2 context of these numbers; other kinds have none
+    _exact: Any = None
+
     def __init__(self, bits: int) -> None:
         import gmpy2
 
@@ -28,7 +32,7 @@ class BareReals:
         self._open = _Open()
         self._gmpy2: Any = gmpy2
         self._type: Any = type(gmpy2.mpfr(0))
-        self._exact: Any = gmpy2.context(precision=bits)
+        self._exact = gmpy2.context(precision=bits)
         # the imaginary unit: adding its multiples gives complex numbers
         self.i: Any = gmpy2.mpc(0, 1)
 
@@ -54,6 +58,9 @@ class BareReals:
         if isinstance(x, int):
             return self._made(x, 0)
         if isinstance(x, float):
+            if self._exact is not None and isfinite(x):
+                # this takes a tenth of the time of mpfr(x); adding 0 turns −0.0 into 0
+                return self._exact.add(x, 0.0)
             numerator, denominator = x.as_integer_ratio()
             return self._made(numerator, 1 - denominator.bit_length())
         sign, mantissa, exponent, _ = x._mpf_
@@ -83,6 +90,8 @@ class BareReals:
 
     def _made(self, mantissa: Any, exponent: int) -> Any:
         x = self._gmpy2.mpfr(mantissa, self.bits)
+        if exponent == 0:
+            return x
         return self._exact.mul_2exp(x, exponent) if exponent >= 0 else self._exact.div_2exp(x, -exponent)
 
     def _parts(self, x: Any) -> tuple[Any, int]:

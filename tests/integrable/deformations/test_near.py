@@ -11,8 +11,8 @@ from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations.carrier import widened
 from integrable.deformations.equations import NearWalk, kind_in
 from integrable.phase.ways import Cost, InOrder
-from integrable.series.kinds import Kind
-from integrable.series.steps import FINE
+from integrable.series.kinds import Compiled, Kind
+from integrable.series.steps import FINE, INTEGRATED
 from jacobian import MP, NotRepresentable
 
 SYSTEMS = {
@@ -73,6 +73,41 @@ def test_far_times_are_those_of_the_curves() -> None:
     motion = system.flow(system.state(*START))
     assert motion.at([1.0, 2.0]).way == "integrated"
     assert motion.at([1.0, 1e6]).way == "elliptic curves"
+
+
+@pytest.mark.parametrize(("system", "steps"), [(SYSTEMS["rolling"], 0), (Gyroscopic((1, 2, 4), 1), 600)])
+def test_no_walk_is_made_in_vain(system, steps, monkeypatch) -> None:
+    """Before the curves the walk took 64 steps up to T = 100. The gyroscopic motion was walked with three kinds of
+    steps.
+    """
+    walks(system)
+    taken, walked = [], Compiled.__call__
+
+    def counted(*given):
+        found = walked(*given)
+        taken.append(found.steps)
+        return found
+
+    monkeypatch.setattr(Compiled, "__call__", counted)
+    run = system.motion_through(system.state(*START)).at(np.linspace(0, 100, 101))
+    assert run.way == ("integrated" if steps else "elliptic curves")
+    assert len(taken) == 1
+    assert abs(taken[0] - steps) <= 0.1 * steps
+
+
+@pytest.mark.slow
+def test_steps_past_peaks_are_those_of_thirty_digits() -> None:
+    """Before T = 60 M has a peak, where differences grow ten thousandfold."""
+    system = Gyroscopic((1, 2, 4), 1)
+    state, last = system.state(*START), np.array([60.0])
+    fine, start = widened(system, state, MP(30))
+    true = rows(fine.motion_through(start).at(last))
+    for steps in INTEGRATED:
+        walk = kind_in(system, True).walk(steps.orders)
+        found = walk(system.constants, state.row, last, steps, 1e4, len(steps.tiers) - 1)
+        assert found.reached == 1
+        assert found.wrong is None
+        assert_rounded(found.states.reshape(1, 6), true)
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ from integrable.series import sums_text
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.room import Orders
 from integrable.series.steps import BRIEF, FINE, FINEST, ROUGH, WIDE, Steps, steps_for
-from integrable.series.walk import WRONG, Codes, Compared, Given, Outputs, compared
+from integrable.series.walk import WRONG, Codes, Compared, Given, Outputs, compared, goes_on
 from integrable.series.walk import walked as by_the_readable_loop
 from integrable.series.walk_compiled import LIBRARY
 from jacobian import MP, RR, ArgumentError
@@ -349,12 +349,18 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
     assert off(found.states[right], exact[right]) < 1e-13
 
 
+def test_a_walk_is_given_up_by_what_remains_of_it() -> None:
+    """The tilde pair was walked to the end of T = 65, and given up there because it had taken too many steps."""
+    assert goes_on(0.1, 9.0, 10.0, 180, 40)
+    assert not goes_on(0.1, 1.0, 10.0, 100, 40)
+
+
 def test_no_torus_is_made_for_times_that_several_walks_reach() -> None:
     """Steps in floats reached a quarter of these times, others the rest; a torus of genus 3, of 62 ms, was made too."""
     system, state = Neumann((1, 2, 4, 7)), Point((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
     flow = system.flow(state, tolerance=1e-12)
     near = flow._near(np.linspace(0, 100, 101))
-    assert near.places is None
+    assert not near.lacks(101)
     assert "_torus" not in vars(flow)
 
 
