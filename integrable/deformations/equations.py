@@ -23,8 +23,9 @@ from jacobian import RR
 from jacobian.element import Real
 from jacobian.immutable import made_once
 
-# microseconds for the set-up and for each state, in the unit of integrable.series.steps.step_cost: by theta functions,
-# without potential, with repelling poles b_i/γ_i² in it and with a clock, and by integration (python -m benchmarks near)
+# microseconds for the set-up and for each state, in the unit of integrable.series.steps.step_cost. By theta functions:
+# without potential, with repelling poles b_i/γ_i² in it, and with a clock; then by integration (python -m benchmarks
+# near)
 BY_THETA, BY_THETA_IN_POLES, BY_CLOCK, BY_STEPS = Cost(300, 1), Cost(450, 1), Cost(600, 1), Cost(150_000, 0)
 # the steps of a walk that is tried before the next way, by the cost of this way; BEFORE_CURVES are those for all others
 STEPS = {BY_CLOCK: BEFORE_CLOCK, BY_STEPS: INTEGRATED}
