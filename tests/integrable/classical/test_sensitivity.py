@@ -174,7 +174,15 @@ def test_many_digits_agree_with_floats() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "n"), [("neumann", 2), ("toda", 3), ("garnier", 2), ("ellipsoid", 2), ("henon_heiles", 1), ("veselova", 2)]
+    ("name", "n"),
+    [
+        ("neumann", 2),
+        ("toda", 3),
+        ("garnier", 2),
+        ("henon_heiles", 1),
+        pytest.param("ellipsoid", 2, marks=pytest.mark.slow),
+        pytest.param("veselova", 2, marks=pytest.mark.slow),
+    ],
 )
 def test_equations_of_variation_agree_with_differences_of_motions(name, n) -> None:
     """Two methods that share no formula: Taylor series of jets, and motions by additions in 39 digits."""
