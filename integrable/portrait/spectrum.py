@@ -126,7 +126,8 @@ def lines_of(source: Sampled) -> Spectrum:
         }
         sizes = [np.abs(grid).max(axis=-1) for grid in grids.values()]
         wanted = [[_wanted(x / x.max(), k) for k in range(dimension)] for x in sizes if x.any()]
-        larger = tuple(max(column) for column in zip(*wanted, strict=True))
+        # if all quantities vanish, any grid resolves them
+        larger = tuple(max(column) for column in zip(*wanted, strict=True)) or size
         if larger == size:
             return _spectrum(source, grids)
         size = larger
