@@ -7,17 +7,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import isqrt
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian.element import Rng
 from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, NotAMultiple, shown
 from jacobian.fields.randomness import random_below
 from jacobian.finite.integers import factorization
 from jacobian.finite.orders import reduce_order
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_scalar
 
 BABY_STEPS_WIDTH = 1 << 32
 KANGAROO_WIDTH = 1 << 48

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 
 from jacobian.element import Element, Rng
 from jacobian.errors import CurveMismatch, FieldError, shown
-from jacobian.law.divisor import GroupLaw, check_divisor
+from jacobian.law.divisor import Divisor, GroupLaw, check_divisor
 
 if TYPE_CHECKING:
     from jacobian.finite.scalar import FixedBase
     from jacobian.finite.structure import Structure
-    from jacobian.law.divisor import Divisor
     from jacobian.relatives.rational_torsion import RationalTorsion
 
 

@@ -6,16 +6,12 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import count
 from math import inf
-from typing import TYPE_CHECKING
 
 from jacobian.errors import ArgumentError, FieldError, JacobianError, shown
 from jacobian.fields import GF
 from jacobian.fields.primality import is_prime
 from jacobian.finite.integers import factorization, value
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_scalar
 
 
 def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:

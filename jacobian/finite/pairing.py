@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import gcd
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.addition.cantor_flint import Flint, FlintCantor
@@ -31,10 +31,7 @@ from jacobian.fields.irreducible import first_irreducible
 from jacobian.fields.prime import prime_field
 from jacobian.fields.protocol import Field
 from jacobian.finite.miller import EllipticFunctions, has_functions
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_scalar
 
 ATTEMPTS = 200
 # over a field of ROOM·g²·log₂ m elements one random shift in ten succeeds; smaller fields are extended

@@ -18,7 +18,7 @@ from functools import partial
 from itertools import islice
 from math import comb, gcd, isqrt, lcm, prod
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
@@ -30,11 +30,9 @@ from jacobian.finite.integers import factorization
 from jacobian.finite.orders import reduce_order
 from jacobian.finite.scalar import FixedBase
 from jacobian.finite.structure import PrimaryGroup
+from jacobian.law.divisor import Divisor
 from jacobian.numbers.compiler import interpreted
 from jacobian.progress import Progress
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
 
 COUNT_LIMIT = 200_000
 SEARCH_LIMIT = 10**12

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError, Infeasible
 from jacobian.fields.factor import factor
 from jacobian.finite.frobenius import frobenius_polynomial
 from jacobian.finite.hasse_witt import cartier_manin, frobenius_modulo_p
-
-if TYPE_CHECKING:
-    from jacobian.curve.curve import HyperellipticCurve
 
 
 def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
