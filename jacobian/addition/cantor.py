@@ -15,6 +15,8 @@ Mireles Morales 2008 for the balanced divisors and the steps at infinity.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from jacobian.curve.curve import HyperellipticCurve, coefficient
 from jacobian.poly import Poly, add, gcd, half_xgcd, mod, monic, mul, neg, quotient, sub
 
@@ -95,43 +97,47 @@ def double(C: HyperellipticCurve, a: Triple) -> Triple:
     return reduce(C, _assembled(C, d, u, u, v, k, None if n is None else 2 * n))
 
 
-def negate(C: HyperellipticCurve, a: Triple) -> Triple:
-    """The reduced triple of −a."""
+def opposite(C: HyperellipticCurve, a: Triple) -> Triple:
+    """A triple of −a that is reduced unless g is odd on a split model."""
     K = C.field
     u, v, n = a
-    opposite = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)
-    if n is None:
-        return u, opposite, None
-    n = 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n
-    return (u, opposite, n) if 0 <= n <= C.genus - (len(u) - 1) else reduce(C, (u, opposite, n))
+    v = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)
+    return u, v, None if n is None else 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n
+
+
+def negate(C: HyperellipticCurve, a: Triple) -> Triple:
+    """The reduced triple of −a."""
+    return reduce(C, opposite(C, a))
 
 
 def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of the class of a: deg u ≤ g, deg v < deg u and, on a split model, 0 ≤ n ≤ g − deg u. It is
     unique.
     """
-    u, v, n = a
+    for _, below in reductions(C, a):
+        a = below
+    return a
+
+
+def reductions(C: HyperellipticCurve, a: Triple) -> Iterator[tuple[Poly, Triple]]:
+    """Yields (v, the triple after it) for each step of :func:`reduce`, a reflection at y − v.
+
+    On a split model the last steps begin with deg u ≤ g+1. Each adds a multiple of u to v, so that v has the leading
+    terms of V₋ or V₊ (``C.principal_parts``), and applies :func:`reflect`, which gives u'. If n < 0, the step with V₋
+    raises n by g+1−deg u' ≥ 1. If n > g − deg u, the step with V₊ lowers n by g+1−deg u ≥ 0. The weight at the other
+    point at infinity stays non-negative.
+    """
+    K, (u, v, n) = C.field, a
     limit = C.genus + (1 if C.model == "split" else 0)
     while len(u) - 1 > limit:
+        line = v
         u, v, n = reflect(C, u, v, n)
-    return (u, v, n) if n is None else adjust(C, u, v, n)
-
-
-def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
-    """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
-
-    Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊ (``C.principal_parts``), and
-    applies :func:`reflect`, which gives u'. If n < 0, the step with V₋ raises n by g+1−deg u' ≥ 1. If n > g − deg u,
-    the step with V₊ lowers n by g+1−deg u ≥ 0. The weight at the other point at infinity stays non-negative.
-    """
-    K, g = C.field, C.genus
-    while not (0 <= n <= g - (len(u) - 1)):
+        yield line, (u, v, n)
+    while n is not None and not 0 <= n <= C.genus - (len(u) - 1):
         part = C.principal_parts[1 if n < 0 else 0]
-        v = add(K, part, mod(K, sub(K, v, part), u))
-        u, v, weight = reflect(C, u, v, n)
-        assert weight is not None
-        n = weight
-    return u, v, n
+        line = add(K, part, mod(K, sub(K, v, part), u))
+        u, v, n = reflect(C, u, line, n)
+        yield line, (u, v, n)
 
 
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
