@@ -290,11 +290,6 @@ class Lift(NamedTuple):
             sigma = ordinate / (kappa * nu)
         return kappa, sigma, nu
 
-    def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
-        """(κ/c², cσ, cν), which is the same lift as the datum (κ, σ, ν)."""
-        K, (kappa, sigma, nu) = group.field, datum
-        return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, nu)
-
     def zero(self, group: ExtendedGroup) -> Any:
         return group.field.one, group.field.one, group.field.zero
 
@@ -345,11 +340,6 @@ class PointLift(NamedTuple):
     x: Any
     y: Any
 
-    def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
-        """The same datum as (κ/c², cσ, cσ̄)."""
-        K, (kappa, sigma, bar) = group.field, datum
-        return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, bar)
-
     def zero(self, group: ExtendedGroup) -> Any:
         one = group.field.one
         return one, one, one
@@ -379,6 +369,12 @@ class PointLift(NamedTuple):
             if group.odd:
                 after, scale = K.neg(after), K.neg(scale)
         return after, K.div(above, K.mul(scale, bar)), K.div(below, K.mul(scale, sigma))
+
+
+def scaled(K: Any, datum: Any, c: Any) -> Any:
+    """(κ/c², cσ, cν) for a datum (κ, σ, ν) of a Lift, or (κ/c², cσ, cσ̄) for one of a PointLift: the same datum."""
+    kappa, *others = datum
+    return K.div(kappa, K.mul(c, c)), *(K.mul(c, x) for x in others)
 
 
 class SecondKind(NamedTuple):
