@@ -107,7 +107,8 @@ def opposite(C: HyperellipticCurve, a: Triple) -> Triple:
 
 def negate(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of −a."""
-    return reduce(C, opposite(C, a))
+    u, _, n = a = opposite(C, a)
+    return a if n is None or 0 <= n <= C.genus - (len(u) - 1) else reduce(C, a)
 
 
 def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
