@@ -98,7 +98,9 @@ def double(C: HyperellipticCurve, a: Triple) -> Triple:
 
 
 def opposite(C: HyperellipticCurve, a: Triple) -> Triple:
-    """A triple of −a that is reduced unless g is odd on a split model."""
+    """(u, −v − h mod u, n') in the class −a. On a split model of odd genus n' may be g − deg u + 1; then the triple is
+    not reduced.
+    """
     K = C.field
     u, v, n = a
     v = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)

@@ -64,9 +64,9 @@ class FiniteGroup(GroupLaw[Element]):
 
     def cartier_manin(self) -> list[list[Element]]:
         """See :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`."""
-        from jacobian.finite.slopes import cartier_manin_matrix
+        from jacobian.finite.hasse_witt import cartier_manin
 
-        return cartier_manin_matrix(self.curve)
+        return cartier_manin(self.curve)
 
     def p_rank(self) -> int:
         """See :meth:`jacobian.curve.questions.CurveQuestions.p_rank`."""

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple, Protocol
 
 from jacobian import poly
 from jacobian.addition import cantor
+from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.immutable import Immutable
@@ -126,16 +127,7 @@ class ExtendedGroup(Immutable):
 
     def multiple(self, m: int, D: Extended) -> Extended:
         """m·D for any int m."""
-        if m < 0:
-            return self.multiple(-m, self.negate(D))
-        if m == 0:
-            return self.zero()
-        total = D
-        for bit in bin(m)[3:]:
-            total = self.add(total, total)
-            if bit == "1":
-                total = self.add(total, D)
-        return total
+        return multiple(m, D, self.add, lambda E: self.add(E, E), self.negate, self.zero())
 
     def compose(self, D: Extended, E: Extended) -> Extended:
         """The unreduced pair of all points of D and E except those that cancel with opposite points."""
