@@ -20,7 +20,7 @@ with lifts; it also has sums in which a point goes to infinity.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from jacobian import poly
 from jacobian.addition import cantor
@@ -70,18 +70,6 @@ class Reduction(NamedTuple):
     lead: Any
     scale: Any
     high: bool
-
-
-class Kind(Protocol):
-    """The rules for one datum: its value for the class 0, and how −D, a composition and a reduction step change it."""
-
-    def zero(self, group: ExtendedGroup) -> Any: ...
-
-    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any: ...
-
-    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any: ...
-
-    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any: ...
 
 
 class ExtendedGroup(Immutable):
@@ -412,3 +400,7 @@ class ThirdKind(NamedTuple):
             return datum
         b = step.lead if degree == group.genus + 1 else K.zero
         return K.div(K.mul(datum, K.sub(b, self.r)), K.add(b, self.r))
+
+
+Kind = Lift | PointLift | SecondKind | ThirdKind
+"""The rules for one datum: its value for the class 0, and how −D, a composition and a reduction step change it."""
