@@ -123,6 +123,7 @@ class GeneralizedJacobian(Jacobian):
 
     def double(self, D: Divisor) -> Divisor:
         """D + D."""
+        check_growth(self.field, D.u, D.v)
         return self.add(D, D)
 
     def negate(self, D: Divisor) -> Divisor:
@@ -131,12 +132,7 @@ class GeneralizedJacobian(Jacobian):
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
         """m·D for any int m. The compiled code cannot be used here, because it adds in the Jacobian."""
-
-        def double(E: Divisor) -> Divisor:
-            check_growth(self.field, E.u, E.v)
-            return self.double(E)
-
-        return multiple(m, D, self.add, double, self.negate, self.zero())
+        return multiple(m, D, self.add, self.double, self.negate, self.zero())
 
     def order(self) -> int:
         """Raises NotRepresentable: the order of a generalized Jacobian is not computed."""

@@ -149,6 +149,11 @@ class RayClassGroup(Immutable):
         functions = [*self._generator(a), *self._generator(b)]
         return self._reduced(cantor.compose(J._model, a, b), functions, self.fibre.multiply(C.unit, D.unit))
 
+    def double(self, C: RayClass) -> RayClass:
+        """C + C."""
+        check_growth(self.field, C.divisor.u, C.divisor.v, C.unit)
+        return self.add(C, C)
+
     def negate(self, C: RayClass) -> RayClass:
         """−C."""
         J = self.jacobian
@@ -158,12 +163,7 @@ class RayClassGroup(Immutable):
 
     def multiply(self, m: int, C: RayClass) -> RayClass:
         """m·C for any int m, by signed windows (width-w non-adjacent form; Solinas 2000)."""
-
-        def double(a: RayClass) -> RayClass:
-            check_growth(self.curve.field, a.divisor.u, a.divisor.v, a.unit)
-            return self.add(a, a)
-
-        return multiple(m, C, self.add, double, self.negate, self.zero())
+        return multiple(m, C, self.add, self.double, self.negate, self.zero())
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
         """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at the modulus.
@@ -253,7 +253,7 @@ class RayClass(Immutable):
 
     def double(self) -> RayClass:
         """C + C."""
-        return self.group.add(self, self)
+        return self.group.double(self)
 
     def __mul__(self, scalar: SupportsIndex) -> RayClass:
         if isinstance(scalar, RayClass):
