@@ -34,10 +34,15 @@ def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
-    """An unreduced triple of a + b, with deg u up to deg u₁ + deg u₂.
+    """An unreduced triple of a + b, with deg u up to deg u₁ + deg u₂."""
+    return multiplied(C, *factors(C, a, b))
 
-    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h). Then
-    u = u₁u₂/d², v = v₂ + (u₂/d)k, k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo u₁/d.
+
+def factors(C: HyperellipticCurve, a: Triple, b: Triple) -> tuple[Poly, Poly, Poly, Poly, int | None]:
+    """(A, B, v₂, k, n): the triple (AB, v₂ + Bk, n) is in the class a + b, and deg k < deg A.
+
+    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h). Then A = u₁/d, B = u₂/d and
+    k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo A.
     """
     K = C.field
     (u1, v1, n1), (u2, v2, n2) = a, b
@@ -46,22 +51,30 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
     if len(d) > 1:
         d, k = _common_part(C, d, add(K, add(K, v1, v2), C.h), k, u2, v2)
         u1, u2 = quotient(K, u1, d), quotient(K, u2, d)
-    return _assembled(C, d, u1, u2, v2, k, None if n1 is None or n2 is None else n1 + n2)
+    n = None if n1 is None or n2 is None else n1 + n2 + len(d) - 1 - (C.genus + 1) // 2
+    return u1, u2, v2, mod(K, k, u1), n
 
 
-def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """The triple (u₁u₂, v + u₂·(k mod u₁), n), n = n₁ + n₂ + deg d − ⌈g/2⌉. The factor d is already divided out of u₁
-    and u₂; ``weights`` is n₁ + n₂.
-    """
+def factors_of_double(C: HyperellipticCurve, a: Triple) -> tuple[Poly, Poly, Poly, Poly, int | None]:
+    """The result of :func:`factors` for a + a."""
     K = C.field
-    u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
-    if len(d) == 1:
-        return u, v, None if weights is None else weights - (C.genus + 1) // 2
-    return u, mod(K, v, u), None if weights is None else weights + len(d) - 1 - (C.genus + 1) // 2
+    u, v, n = a
+    d, t = half_xgcd(K, u, add(K, add(K, v, v), C.h))
+    k = mul(K, t, cofactor(C, u, v))
+    if len(d) > 1:
+        u = quotient(K, u, d)
+    return u, u, v, mod(K, k, u), None if n is None else 2 * n + len(d) - 1 - (C.genus + 1) // 2
+
+
+def multiplied(C: HyperellipticCurve, A: Poly, B: Poly, v: Poly, k: Poly, n: int | None) -> Triple:
+    """The triple (AB, v + Bk, n), with v + Bk modulo AB."""
+    K = C.field
+    u, v = mul(K, A, B), add(K, v, mul(K, B, k))
+    return u, v if len(v) < len(u) else mod(K, v, u), n
 
 
 def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
-    """The d and k of :func:`compose`, if gcd(u₁, u₂) is not 1.
+    """The d and k of :func:`factors`, if gcd(u₁, u₂) is not 1.
 
     The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) with su₂ ≡ d mod u₁ as ``k``, and (u₂, v₂).
     """
@@ -74,7 +87,7 @@ def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, 
 
 
 def cancelled(C: HyperellipticCurve, a: Triple, b: Triple) -> Poly:
-    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: its roots are the x of points of a whose opposites are in b."""
+    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`factors`: its roots are the x of points of a whose opposites are in b."""
     K = C.field
     (u1, v1, _), (u2, v2, _) = a, b
     return gcd(K, gcd(K, u1, u2), add(K, add(K, v1, v2), C.h))
@@ -88,13 +101,7 @@ def cofactor(C: HyperellipticCurve, u: Poly, v: Poly) -> Poly:
 
 def double(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of a + a."""
-    K = C.field
-    u, v, n = a
-    d, t = half_xgcd(K, u, add(K, add(K, v, v), C.h))
-    k = mul(K, t, cofactor(C, u, v))
-    if len(d) > 1:
-        u = quotient(K, u, d)
-    return reduce(C, _assembled(C, d, u, u, v, k, None if n is None else 2 * n))
+    return reduce(C, multiplied(C, *factors_of_double(C, a)))
 
 
 def opposite(C: HyperellipticCurve, a: Triple) -> Triple:
