@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from jacobian.curve.curve import HyperellipticCurve, coefficient
-from jacobian.poly import Poly, add, gcd, half_xgcd, mod, monic, mul, neg, quotient, sub
+from jacobian.poly import Poly, add, half_xgcd, mod, monic, mul, neg, quotient, sub
 
 Triple = tuple[Poly, Poly, int | None]
 
@@ -41,8 +41,8 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 def factors(C: HyperellipticCurve, a: Triple, b: Triple) -> tuple[Poly, Poly, Poly, Poly, int | None]:
     """(A, B, v₂, k, n): the triple (AB, v₂ + Bk, n) is in the class a + b, and deg k < deg A.
 
-    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h). Then A = u₁/d, B = u₂/d and
-    k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo A.
+    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h), whose roots are the x of points
+    of a whose opposites are in b. Then A = u₁/d, B = u₂/d and k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo A.
     """
     K = C.field
     (u1, v1, n1), (u2, v2, n2) = a, b
@@ -84,13 +84,6 @@ def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, 
         return common, k
     r = quotient(K, sub(K, common, mul(K, t, trace)), d)
     return common, add(K, mul(K, r, k), mul(K, t, cofactor(C, u, v)))
-
-
-def cancelled(C: HyperellipticCurve, a: Triple, b: Triple) -> Poly:
-    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`factors`: its roots are the x of points of a whose opposites are in b."""
-    K = C.field
-    (u1, v1, _), (u2, v2, _) = a, b
-    return gcd(K, gcd(K, u1, u2), add(K, add(K, v1, v2), C.h))
 
 
 def cofactor(C: HyperellipticCurve, u: Poly, v: Poly) -> Poly:

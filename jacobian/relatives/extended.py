@@ -125,12 +125,10 @@ class ExtendedGroup(Immutable):
 
     def _exact_composition(self, D: Extended, E: Extended) -> Composition:
         assert self.curve is not None
-        first, second = (D.u, D.v, None), (E.u, E.v, None)
-        u, v, _ = cantor.compose(self.curve, first, second)
-        everything = len(u) == len(D.u) + len(E.u) - 1
-        common = (self.field.one,) if everything else cantor.cancelled(self.curve, first, second)
-        k, other = (poly.quotient(self.field, poly.sub(self.field, v, part.v), part.u) for part in (D, E))
-        return Composition(u, v, common, (k, other))
+        parts = cantor.factors(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+        u, v, _ = cantor.multiplied(self.curve, *parts)
+        k, other = (poly.quotient(self.field, poly.sub(self.field, v, X.v), X.u) for X in (D, E))
+        return Composition(u, v, poly.quotient(self.field, D.u, parts[0]), (k, other))
 
     def _general_composition(self, D: Extended, E: Extended) -> Composition:
         """The composition of pairs in general position: v = v₁ + u₁k with k·u₁ ≡ v₂ − v₁ mod u₂.

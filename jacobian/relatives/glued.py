@@ -117,9 +117,8 @@ class GeneralizedJacobian(Jacobian):
         u, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
         if len(u) <= 3:
             return self._represented(u, p) if len(u) == 3 else self.zero()
-        u = poly.quotient(K, poly.sub(K, poly.mul(K, p, p), self.curve.f), u)
-        u = poly.monic(K, u)
-        return self._represented(u, poly.neg(K, poly.mod(K, p, u)))
+        u, v, _ = cantor.reflect(self.curve, u, p, None)
+        return self._represented(u, v)
 
     def double(self, D: Divisor) -> Divisor:
         """D + D."""
