@@ -51,14 +51,13 @@ def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     fixed seed.
     """
     m = _check(D, E, m)
-    there, back = _at_points(D, E, m, "D"), _at_points(E, D, m, "E")
-    if there is None or back is None:
-        _check_annihilated(D, m, "D")
-        _check_annihilated(E, m, "E")
-    else:
+    there, back = _at_points(D, E, m), _at_points(E, D, m)
+    if there is not None and back is not None:
         K: Any = D.jacobian.field
         value = K.div(there, back)
         return K.neg(value) if m % 2 else value
+    _check_annihilated(D, m, "D")
+    _check_annihilated(E, m, "E")
     if not D or not E:
         return D.jacobian.field.one
     move = _Extension(D.jacobian.curve, m, 1)
@@ -77,7 +76,7 @@ def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
         raise ArgumentError(
             f"m = {shown(m)} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
         )
-    at_point = _at_points(D, E, m, "D")
+    at_point = _at_points(D, E, m)
     if at_point is not None:
         return pow(at_point, (q - 1) // m, q)
     _check_annihilated(D, m, "D")
@@ -109,25 +108,18 @@ def _check(D: Divisor, E: Divisor, m: Any) -> int:
 
 def _check_annihilated(D: Divisor, m: int, name: str) -> None:
     if m * D:
-        raise _not_annihilated(D, m, name)
+        raise ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
 
 
-def _not_annihilated(D: Divisor, m: int, name: str) -> ArgumentError:
-    return ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
-
-
-def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
+def _at_points(D: Divisor, E: Divisor, m: int) -> Any:
     """f(E), where div f = m·D and f has the leading coefficient 1 at infinity, for classes D and E of single points on
-    a curve of genus 1 over a prime field; no shift is needed. None on other curves, for D = 0 or E = 0, and where a
-    line of Miller's loop passes through E.
+    a curve of genus 1 over a prime field; no shift is needed. None on other curves, for D = 0 or E = 0, where m·D ≠ 0,
+    and where a line of Miller's loop passes through E.
     """
     if not D or not E or not has_functions(D.jacobian.curve):
         return None
     is_zero, over, under = EllipticFunctions(D.jacobian.curve)(D, E, m)
-    if not is_zero:
-        raise _not_annihilated(D, m, name)
-    K: Any = D.jacobian.field
-    return K.div(over, under) if over and under else None
+    return D.jacobian.field.div(over, under) if is_zero and over and under else None
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Rng | None) -> Any:
