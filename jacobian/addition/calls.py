@@ -72,8 +72,9 @@ class WordKernel:
     Sums use Cantor's algorithm; multiples use the explicit formulas of ``equation`` where they apply.
     """
 
-    def __init__(self, C: HyperellipticCurve, K: Any, equation: Any) -> None:
-        g = C.genus
+    def __init__(self, C: HyperellipticCurve, equation: Any = None) -> None:
+        g, K = C.genus, context(C.field)
+        equation = Plain() if equation is None else equation
         run, curve = library(K.__class__, equation.__class__), packed_curve(C, K.to_word)
         self._sum, self._times = (each(K, equation, curve) for each in (run.sum_in_place, run.multiple_in_place))
         # compiled calls use addresses of K and ``curve``, so both are kept alive; sums run one at a time in ``_room``
@@ -170,7 +171,7 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel | ExplicitKernel:
     """The compiled kernel of a curve that is its own ``arithmetic_model``: over GF(p), 2 < p < 2^63, or TableField."""
     K = context(C.field)
     equation = short_equation(C, K.to_word)
-    general = WordKernel(C, K, equation or Plain())
+    general = WordKernel(C, equation)
     return general if equation is None else ExplicitKernel(C, K, equation, general)
 
 
