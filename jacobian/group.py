@@ -304,16 +304,8 @@ class Jacobian(FiniteGroup[Element]):
             return self._negate_inexact(D)
         return self._out(cantor.negate(self._model, self._in(D)))
 
-    def _opposite(self, D: Divisor[Element]) -> cantor.Triple:
-        """(u, −v − h mod u, n') in the class −D over an inexact field. On a split model of odd genus n' may be
-        g − deg u + 1; then the triple is not reduced.
-        """
-        K = self.field
-        v = poly.mod(K, poly.neg(K, poly.add(K, D.v, self.curve.h)), D.u)
-        return D.u, v, None if D.n is None else 2 * (self.weight_of_zero or 0) - D.degree - D.n
-
     def _negate_inexact(self, D: Divisor[Element]) -> Divisor[Element]:
-        u, v, n = self._opposite(D)
+        u, v, n = cantor.opposite(self.curve, (D.u, D.v, D.n))
         if n is None or n <= self.curve.genus - D.degree:
             return Divisor(self, u, v, n)
         from jacobian.inexact import composition
@@ -323,7 +315,7 @@ class Jacobian(FiniteGroup[Element]):
     def _add_inexact(self, D: Divisor[Element], E: Divisor[Element]) -> Divisor[Element]:
         if not D or not E:
             return D if D else E
-        if D.u == E.u and (D.u, D.v, D.n) == self._opposite(E):
+        if D.u == E.u and (D.u, D.v, D.n) == cantor.opposite(self.curve, (E.u, E.v, E.n)):
             # D + (−D) is the identity at any precision
             return self.zero()
         from jacobian.inexact import composition

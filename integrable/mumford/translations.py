@@ -18,7 +18,7 @@ from integrable.mumford.series import PointMotion, through
 from jacobian import poly
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, PrecisionLoss
-from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
+from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind, scaled
 
 # h is about 2^−PART of the time in which a point of the reference divisor E leaves the disc of its series: each
 # term of a series gains at least PART − 1 bits. T(2^k h) is in general position from about k = FRACTION on
@@ -130,7 +130,7 @@ class GroupTranslations:
             return D
         c = 1 / group.f[-1]
         data = [
-            kind.scaled(group, x, c) if isinstance(kind, (Lift, PointLift)) else x
+            scaled(group.field, x, c) if isinstance(kind, (Lift, PointLift)) else x
             for kind, x in zip(group.kinds, D.data, strict=True)
         ]
         return D._replace(data=tuple(data))

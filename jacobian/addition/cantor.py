@@ -15,8 +15,10 @@ Mireles Morales 2008 for the balanced divisors and the steps at infinity.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from jacobian.curve.curve import HyperellipticCurve, coefficient
-from jacobian.poly import Poly, add, gcd, half_xgcd, mod, monic, mul, neg, quotient, sub
+from jacobian.poly import Poly, add, half_xgcd, mod, monic, mul, neg, quotient, sub
 
 Triple = tuple[Poly, Poly, int | None]
 
@@ -32,10 +34,15 @@ def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
-    """An unreduced triple of a + b, with deg u up to deg u₁ + deg u₂.
+    """An unreduced triple of a + b, with deg u up to deg u₁ + deg u₂."""
+    return multiplied(C, *factors(C, a, b))
 
-    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h). Then
-    u = u₁u₂/d², v = v₂ + (u₂/d)k, k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo u₁/d.
+
+def factors(C: HyperellipticCurve, a: Triple, b: Triple) -> tuple[Poly, Poly, Poly, Poly, int | None]:
+    """(A, B, v₂, k, n): the triple (AB, v₂ + Bk, n) is in the class a + b, and deg k < deg A.
+
+    Let e = gcd(u₁, u₂) ≡ s·u₂ modulo u₁, and d = gcd(e, v₁+v₂+h) = r·e + t·(v₁+v₂+h), whose roots are the x of points
+    of a whose opposites are in b. Then A = u₁/d, B = u₂/d and k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo A.
     """
     K = C.field
     (u1, v1, n1), (u2, v2, n2) = a, b
@@ -44,22 +51,30 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
     if len(d) > 1:
         d, k = _common_part(C, d, add(K, add(K, v1, v2), C.h), k, u2, v2)
         u1, u2 = quotient(K, u1, d), quotient(K, u2, d)
-    return _assembled(C, d, u1, u2, v2, k, None if n1 is None or n2 is None else n1 + n2)
+    n = None if n1 is None or n2 is None else n1 + n2 + len(d) - 1 - (C.genus + 1) // 2
+    return u1, u2, v2, mod(K, k, u1), n
 
 
-def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """The triple (u₁u₂, v + u₂·(k mod u₁), n), n = n₁ + n₂ + deg d − ⌈g/2⌉. The factor d is already divided out of u₁
-    and u₂; ``weights`` is n₁ + n₂.
-    """
+def factors_of_double(C: HyperellipticCurve, a: Triple) -> tuple[Poly, Poly, Poly, Poly, int | None]:
+    """The result of :func:`factors` for a + a."""
     K = C.field
-    u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
-    if len(d) == 1:
-        return u, v, None if weights is None else weights - (C.genus + 1) // 2
-    return u, mod(K, v, u), None if weights is None else weights + len(d) - 1 - (C.genus + 1) // 2
+    u, v, n = a
+    d, t = half_xgcd(K, u, add(K, add(K, v, v), C.h))
+    k = mul(K, t, cofactor(C, u, v))
+    if len(d) > 1:
+        u = quotient(K, u, d)
+    return u, u, v, mod(K, k, u), None if n is None else 2 * n + len(d) - 1 - (C.genus + 1) // 2
+
+
+def multiplied(C: HyperellipticCurve, A: Poly, B: Poly, v: Poly, k: Poly, n: int | None) -> Triple:
+    """The triple (AB, v + Bk, n), with v + Bk modulo AB."""
+    K = C.field
+    u, v = mul(K, A, B), add(K, v, mul(K, B, k))
+    return u, v if len(v) < len(u) else mod(K, v, u), n
 
 
 def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
-    """The d and k of :func:`compose`, if gcd(u₁, u₂) is not 1.
+    """The d and k of :func:`factors`, if gcd(u₁, u₂) is not 1.
 
     The arguments are gcd(u₁, u₂) as ``d``, v₁+v₂+h as ``trace``, s(v₁−v₂) with su₂ ≡ d mod u₁ as ``k``, and (u₂, v₂).
     """
@@ -71,13 +86,6 @@ def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, 
     return common, add(K, mul(K, r, k), mul(K, t, cofactor(C, u, v)))
 
 
-def cancelled(C: HyperellipticCurve, a: Triple, b: Triple) -> Poly:
-    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: its roots are the x of points of a whose opposites are in b."""
-    K = C.field
-    (u1, v1, _), (u2, v2, _) = a, b
-    return gcd(K, gcd(K, u1, u2), add(K, add(K, v1, v2), C.h))
-
-
 def cofactor(C: HyperellipticCurve, u: Poly, v: Poly) -> Poly:
     """(f − hv − v²)/u."""
     K = C.field
@@ -86,52 +94,53 @@ def cofactor(C: HyperellipticCurve, u: Poly, v: Poly) -> Poly:
 
 def double(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of a + a."""
+    return reduce(C, multiplied(C, *factors_of_double(C, a)))
+
+
+def opposite(C: HyperellipticCurve, a: Triple) -> Triple:
+    """(u, −v − h mod u, n') in the class −a. On a split model of odd genus n' may be g − deg u + 1; then the triple is
+    not reduced.
+    """
     K = C.field
     u, v, n = a
-    d, t = half_xgcd(K, u, add(K, add(K, v, v), C.h))
-    k = mul(K, t, cofactor(C, u, v))
-    if len(d) > 1:
-        u = quotient(K, u, d)
-    return reduce(C, _assembled(C, d, u, u, v, k, None if n is None else 2 * n))
+    v = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)
+    return u, v, None if n is None else 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n
 
 
 def negate(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of −a."""
-    K = C.field
-    u, v, n = a
-    opposite = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)
-    if n is None:
-        return u, opposite, None
-    n = 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n
-    return (u, opposite, n) if 0 <= n <= C.genus - (len(u) - 1) else reduce(C, (u, opposite, n))
+    u, _, n = a = opposite(C, a)
+    return a if n is None or 0 <= n <= C.genus - (len(u) - 1) else reduce(C, a)
 
 
 def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of the class of a: deg u ≤ g, deg v < deg u and, on a split model, 0 ≤ n ≤ g − deg u. It is
     unique.
     """
-    u, v, n = a
+    for _, below in reductions(C, a):
+        a = below
+    return a
+
+
+def reductions(C: HyperellipticCurve, a: Triple) -> Iterator[tuple[Poly, Triple]]:
+    """Yields (v, the triple after it) for each step of :func:`reduce`, a reflection at y − v.
+
+    On a split model the last steps begin with deg u ≤ g+1. Each adds a multiple of u to v, so that v has the leading
+    terms of V₋ or V₊ (``C.principal_parts``), and applies :func:`reflect`, which gives u'. If n < 0, the step with V₋
+    raises n by g+1−deg u' ≥ 1. If n > g − deg u, the step with V₊ lowers n by g+1−deg u ≥ 0. The weight at the other
+    point at infinity stays non-negative.
+    """
+    K, (u, v, n) = C.field, a
     limit = C.genus + (1 if C.model == "split" else 0)
     while len(u) - 1 > limit:
+        line = v
         u, v, n = reflect(C, u, v, n)
-    return (u, v, n) if n is None else adjust(C, u, v, n)
-
-
-def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
-    """The reduced triple equivalent to (u, v, n) on a split model, for deg u ≤ g+1.
-
-    Each step adds a multiple of u to v, so that v has the leading terms of V₋ or V₊ (``C.principal_parts``), and
-    applies :func:`reflect`, which gives u'. If n < 0, the step with V₋ raises n by g+1−deg u' ≥ 1. If n > g − deg u,
-    the step with V₊ lowers n by g+1−deg u ≥ 0. The weight at the other point at infinity stays non-negative.
-    """
-    K, g = C.field, C.genus
-    while not (0 <= n <= g - (len(u) - 1)):
+        yield line, (u, v, n)
+    while n is not None and not 0 <= n <= C.genus - (len(u) - 1):
         part = C.principal_parts[1 if n < 0 else 0]
-        v = add(K, part, mod(K, sub(K, v, part), u))
-        u, v, weight = reflect(C, u, v, n)
-        assert weight is not None
-        n = weight
-    return u, v, n
+        line = add(K, part, mod(K, sub(K, v, part), u))
+        u, v, n = reflect(C, u, line, n)
+        yield line, (u, v, n)
 
 
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:

@@ -60,9 +60,7 @@ class FlintCantor:
         return self._reduced(u, v, n)
 
     def composed(self, a: Flint, b: Flint) -> tuple[Any, Any, int | None, Any]:
-        """(u, v, n, d) in flint's polynomials: a + b before reduction, and d =
-        :func:`jacobian.addition.cantor.cancelled`.
-        """
+        """(u, v, n, d) in flint's polynomials: a + b before reduction, and d = gcd(u₁, u₂, v₁+v₂+h)."""
         (u1, v1, n1), (u2, v2, n2) = a, b
         d, _, s = u1.xgcd(u2)
         k = s * (v1 - v2)

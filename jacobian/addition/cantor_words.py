@@ -241,8 +241,7 @@ def negate_class(K: Any, curve: Any, S: Any, first: Any, result: Any) -> Any:
     u, v = S[15], S[16]
     nu = _copy(u, first[3:], first[0])
     nv = _sum(K, v, first[4 + g :], first[1], h, nh)
-    for i in range(nv):
-        v[i] = K.canonical(K.neg(v[i]))
+    nv = _difference(K, v, v, 0, v, nv)
     _, nv = _divide(K, S[6], v, nv, u, nu)
     _reduce(K, curve, S, nu, nv, 2 * ((g + 1) // 2) - (nu - 1) - first[2], result)
 
@@ -303,7 +302,6 @@ def _reflect(K: Any, curve: Any, S: Any, nu: Any, nv: Any, n: Any) -> Any:
     _scaled(K, u, inverse(K, lead) if lead != K.one else lead, other, no)
     u[no - 1] = K.one
     nv = _sum(K, v, v, nv, h, nh)
-    for i in range(nv):
-        v[i] = K.canonical(K.neg(v[i]))
+    nv = _difference(K, v, v, 0, v, nv)
     _, nv = _divide(K, S[6], v, nv, u, no)
     return no, nv, n

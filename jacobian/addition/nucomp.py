@@ -1,11 +1,11 @@
 """Composition with built-in reduction for large genus. Its cost grows like g², the cost of step-by-step reduction
 like g³.
 
-Let d and k be those of :func:`jacobian.addition.cantor.compose`, A = u₁/d and B = u₂/d. A composition is (A·B, v₂ +
-B·(k mod A)), of degree up to 2g. Cantor's reduction lowers this degree by two a step. Here the Euclidean algorithm on A
-and k is stopped half-way instead, at a remainder r = ck − qA. The function cy − w with w = cv₂ + Br vanishes on the
-composition. Its norm divided by A·B is N = rM₁ + cM₂, of degree about g, where M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁
-+ v₂ + h) − c(f − hv₂ − v₂²)/B)/A. The sum, up to one or two reduction steps, is
+Let A, B and k be those of :func:`jacobian.addition.cantor.factors`. A composition is (A·B, v₂ + B·k), of degree up to
+2g. Cantor's reduction lowers this degree by two a step. Here the Euclidean algorithm on A and k is stopped half-way
+instead, at a remainder r = ck − qA. The function cy − w with w = cv₂ + Br vanishes on the composition. Its norm divided
+by A·B is N = rM₁ + cM₂, of degree about g, where M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁ + v₂ + h) − c(f − hv₂ −
+v₂²)/B)/A. The sum, up to one or two reduction steps, is
 
     u = N,    v = −h − (w + εc'N)/c modulo N,
 
@@ -22,49 +22,29 @@ from typing import Any
 
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve, coefficient
-from jacobian.poly import Poly, add, divide, half_xgcd, mod, monic, mul, neg, quotient, sub
+from jacobian.poly import Poly, add, divide, mod, monic, mul, neg, quotient, sub
 
 Triple = cantor.Triple
 
 
 def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
     """The reduced triple of a + b."""
-    K = C.field
     if len(a[0]) < len(b[0]):
         a, b = b, a
-    (u1, v1, n1), (u2, v2, n2) = a, b
-    difference = sub(K, v1, v2)
-    d, s = half_xgcd(K, u1, u2)
-    k = mul(K, s, difference)
-    trace = add(K, add(K, v1, v2), C.h)
-    if len(d) > 1:
-        d, k = cantor._common_part(C, d, trace, k, u2, v2)
-        u1, u2 = quotient(K, u1, d), quotient(K, u2, d)
-    weight = None if n1 is None or n2 is None else n1 + n2 + len(d) - 1 - (C.genus + 1) // 2
-    return cantor.reduce(C, _shortened(C, u1, u2, v2, mod(K, k, u1), difference, trace, weight))
+    return cantor.reduce(C, _shortened(C, a[1], *cantor.factors(C, a, b)))
 
 
 def double(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of a + a; for quadratic forms this is Shanks' NUDUPL."""
-    K = C.field
-    u, v, n = a
-    trace = add(K, add(K, v, v), C.h)
-    d, t = half_xgcd(K, u, trace)
-    k = mul(K, t, cantor.cofactor(C, u, v))
-    if len(d) > 1:
-        u = quotient(K, u, d)
-    weight = None if n is None else 2 * n + len(d) - 1 - (C.genus + 1) // 2
-    return cantor.reduce(C, _shortened(C, u, u, v, mod(K, k, u), (), trace, weight))
+    return cantor.reduce(C, _shortened(C, a[1], *cantor.factors_of_double(C, a)))
 
 
-def _shortened(
-    C: HyperellipticCurve, A: Poly, B: Poly, v: Poly, k: Poly, difference: Poly, trace: Poly, weight: int | None
-) -> Triple:
-    """A triple of the class of (A·B, v + B·k), where v is v₂, ``difference`` v₁ − v₂ and ``trace`` v₁ + v₂ + h."""
+def _shortened(C: HyperellipticCurve, v1: Poly, A: Poly, B: Poly, v: Poly, k: Poly, weight: int | None) -> Triple:
+    """A triple of the class of (A·B, v + B·k, weight), where v is v₂."""
     K, g = C.field, C.genus
     if len(A) + len(B) - 2 <= g:
-        u, v = mul(K, A, B), add(K, v, mul(K, B, k))
-        return u, mod(K, v, u), weight
+        return cantor.multiplied(C, A, B, v, k, weight)
+    difference, trace = sub(K, v1, v), add(K, add(K, v1, v), C.h)
     r, c, last, sign = _half_euclid(K, A, k, (g + len(A) - len(B)) // 2)
     stretched = mul(K, B, r)
     m1 = quotient(K, sub(K, stretched, mul(K, c, difference)), A)

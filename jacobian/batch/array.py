@@ -130,7 +130,8 @@ class DivisorArray(Immutable, Generic[Element]):
         u, v = elements(J, u, "u", g + 1, run.compiled), elements(J, v, "v", g, run.compiled)
         if len(u) != len(v):
             raise ArgumentError(f"u, v: {len(u)} rows beside {len(v)}; as many are needed")
-        rows = run.from_arrays(u, v, weights(J, n, degrees(J, u, v)))
+        degree = degrees(J, u, v)
+        rows = run.from_arrays(u, v, degree, weights(J, n, degree))
         wrong = run.first_off_curve(rows) if check else -1
         if wrong >= 0:
             raise NotOnCurve(

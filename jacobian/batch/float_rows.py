@@ -90,11 +90,9 @@ class FloatRows:
 
     # --- conversion
 
-    def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
-        """Rows from the coefficients u (N, 3), each monic in its own degree, v (N, 2), and n (N,) or None."""
-        u, v = u.astype(self.sums.dtype), v.astype(self.sums.dtype)
-        degree = 2 - np.argmax(u[:, ::-1] != 0, axis=1)
-        data = np.concatenate([u[:, :2].T, v.T])
+    def from_arrays(self, u: Any, v: Any, degree: Any, n: Any) -> Rows:
+        """Rows from the coefficients u (N, 3), monic of degrees ``degree`` (N,), v (N, 2), and n (N,) or None."""
+        data = np.concatenate([u[:, :2].T, v.T]).astype(self.sums.dtype)
         data[0, degree == 0] = 0
         data[1, degree < 2] = 0
         return _rows(data, (FIRST[degree] + (0 if n is None else n)).astype(np.uint8))

@@ -48,14 +48,10 @@ class ObjectRows:
     def zero(self, count: int) -> Rows:
         return _filled([self.jacobian.zero()] * count)
 
-    def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
-        zero = self.jacobian.field.zero
-        rows = []
-        for i, (a, b) in enumerate(zip(u.tolist(), v.tolist(), strict=True)):
-            while a[-1] == zero:
-                a.pop()
-            rows.append(self.jacobian.from_mumford(a, b[: len(a) - 1], None if n is None else int(n[i])))
-        return _filled(rows)
+    def from_arrays(self, u: Any, v: Any, degree: Any, n: Any) -> Rows:
+        weights = [None] * len(u) if n is None else n.tolist()
+        rows = zip(u.tolist(), v.tolist(), degree.tolist(), weights, strict=True)
+        return _filled([self.jacobian.from_mumford(a[: d + 1], b[:d], weight) for a, b, d, weight in rows])
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
         g = self.jacobian.curve.genus

@@ -173,12 +173,12 @@ class StoredRows:
 
     # --- conversion: from the curve's own coordinates and back
 
-    def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
-        """Rows of field elements as ints, u (N, g + 1) and v (N, g); n (N,) on a split model. Nothing is checked."""
-        g = self.genus
-        degree = (g - np.argmax(u[:, ::-1] != 0, axis=1)).astype(np.uint8)
-        elements = np.ascontiguousarray(np.concatenate([u[:, :g].T, v.T]))
-        rows = Rows(self.encoded(elements), degree, np.asarray(n if self.split else (), np.uint8))
+    def from_arrays(self, u: Any, v: Any, degree: Any, n: Any) -> Rows:
+        """Rows of field elements as ints, u (N, g + 1) of degrees ``degree`` (N,) and v (N, g); n (N,) on a split
+        model. Nothing is checked.
+        """
+        words = self.encoded(np.ascontiguousarray(np.concatenate([u[:, : self.genus].T, v.T])))
+        rows = Rows(words, degree.astype(np.uint8), np.asarray(n if self.split else (), np.uint8))
         if self.moved:
             self._shift(rows, self.equation.shift)
             self._scale(rows, self.equation.scale)
@@ -205,7 +205,8 @@ class StoredRows:
         for i, D in enumerate(divisors):
             u[i, : len(D.u)] = D.u
             v[i, : len(D.v)] = D.v
-        return self.from_arrays(u, v, [D.n for D in divisors] if self.split else None)
+        degree = np.array([len(D.u) - 1 for D in divisors], int)
+        return self.from_arrays(u, v, degree, [D.n for D in divisors] if self.split else None)
 
     def to_divisors(self, x: Rows) -> list[Divisor]:
         """The rows as Divisors."""

@@ -65,11 +65,9 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
         return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
     base = prime_field(K.characteristic)
     L = K if degree == 1 and isinstance(K, TableField) else TableField(base, first_irreducible(base, size))
-    h, f = _embed(K, L, C.h), _embed(K, L, C.f)
     if L.p == 2:
-        return _count_by_trace(L, h, f)
-    four = poly.integer(L, 4)
-    value = _values(L, poly.add(L, poly.mul(L, h, h), poly.scale(L, four, f)))
+        return _count_by_trace(L, _embed(K, L, C.h), _embed(K, L, C.f))
+    value = _values(L, _embed(K, L, C.discriminant))
     odd = np.array(L._log)[value[value != 0]] % 2
     return L.order + len(odd) - 2 * int(odd.sum())
 

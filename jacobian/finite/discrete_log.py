@@ -7,17 +7,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import isqrt
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian.element import Rng
-from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, NotAMultiple, shown
+from jacobian.errors import ArgumentError, Infeasible, NotAMultiple, shown
 from jacobian.fields.randomness import random_below
 from jacobian.finite.integers import factorization
 from jacobian.finite.orders import reduce_order
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_scalar
 
 BABY_STEPS_WIDTH = 1 << 32
 KANGAROO_WIDTH = 1 << 48
@@ -32,15 +29,13 @@ def discrete_log(
     interval: tuple[int, int] | None = None,
     rng: Rng | None = None,
 ) -> int:
-    """An m with m·base = target; NotAMultiple if there is none.
+    """An m with m·base = target, two classes of one group; NotAMultiple if there is none.
 
     With ``interval`` = (low, high) an m in low … high is searched for by baby steps and giant steps up to a width of
     2^32, by kangaroos up to 2^48; no order is needed. Without an interval, m is the least non-negative one, found one
     prime at a time. ``order``: a multiple of the order of ``base``, by default #J; ``primes``: its prime factors, by
     default computed. Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
     """
-    if target.jacobian != base.jacobian:
-        raise CurveMismatch(f"base and target lie on two curves: {base.jacobian.curve!r} and {target.jacobian.curve!r}")
     if interval is not None:
         return _in_interval(base, target, *_check_interval(interval), rng)
     multiple = base.jacobian.order() if order is None else abs(check_scalar(order, "order"))

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 
 from jacobian.element import Element, Rng
 from jacobian.errors import CurveMismatch, FieldError, shown
-from jacobian.law.divisor import GroupLaw, check_divisor
+from jacobian.law.divisor import Divisor, GroupLaw, check_divisor
 
 if TYPE_CHECKING:
     from jacobian.finite.scalar import FixedBase
     from jacobian.finite.structure import Structure
-    from jacobian.law.divisor import Divisor
     from jacobian.relatives.rational_torsion import RationalTorsion
 
 
@@ -65,9 +64,9 @@ class FiniteGroup(GroupLaw[Element]):
 
     def cartier_manin(self) -> list[list[Element]]:
         """See :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`."""
-        from jacobian.finite.slopes import cartier_manin_matrix
+        from jacobian.finite.hasse_witt import cartier_manin
 
-        return cartier_manin_matrix(self.curve)
+        return cartier_manin(self.curve)
 
     def p_rank(self) -> int:
         """See :meth:`jacobian.curve.questions.CurveQuestions.p_rank`."""

@@ -17,7 +17,7 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import Infeasible
+from jacobian.errors import FieldError, Infeasible
 from jacobian.fields.factor import roots
 from jacobian.fields.flint_polynomials import conversions
 from jacobian.linear import echelon
@@ -71,6 +71,8 @@ def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
 def cartier_manin(C: HyperellipticCurve) -> list[list[Any]]:
     """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f."""
     K: Any = C.field
+    if K.order is None or K.characteristic == 2:
+        raise FieldError(f"field = {K.name}: the Cartier–Manin matrix is that of a finite field of odd characteristic")
     g, p = C.genus, C.field.characteristic
     # in the coordinates x and 2y + h the curve is y² = F; Frobenius has the same characteristic polynomial
     F = C.discriminant

@@ -10,20 +10,18 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
+from jacobian.law.divisor import Divisor
 from jacobian.native.kinds import INTS, LONG, TupleKind
 from jacobian.native.library import Library
 from jacobian.native.modular import CONTEXT
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.two_words import BITS, Residues, two_words
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
 
 
 def doubled(K: Any, cubic: Any, T: Any, x: Any, y: Any) -> Any:

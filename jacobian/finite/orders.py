@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from itertools import count
+from itertools import count, islice
 from math import inf
-from typing import TYPE_CHECKING
+from typing import Any
 
 from jacobian.errors import ArgumentError, FieldError, JacobianError, shown
 from jacobian.fields import GF
 from jacobian.fields.primality import is_prime
 from jacobian.finite.integers import factorization, value
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_scalar
 
 
 def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
@@ -54,16 +51,17 @@ def reduce_order(D: Divisor, factors: dict[int, int]) -> int:
 
 def _rational_order(D: Divisor) -> int | float:
     """The order of D over QQ: the common order of three good reductions if it annihilates D, else infinity."""
-    reductions = _reductions(D)
-    orders = {order_of(next(reductions)) for _ in range(3)}
+    orders = set(map(order_of, islice(reductions_of(D), 3)))
     if len(orders) > 1:
         return inf
     (order,) = orders
     return order if not int(order) * D else inf
 
 
-def _reductions(D: Divisor) -> Iterator[Divisor]:
-    """D modulo the primes p ≥ 5 of good reduction at which none of its points goes to infinity."""
-    for p in filter(is_prime, count(5)):
+def reductions_of(D: Any) -> Iterator[Any]:
+    """Yields D, a class or a Jacobian over QQ, modulo the odd primes p of good reduction, ascending. Primes at which a
+    point of the class goes to infinity are left out.
+    """
+    for p in filter(is_prime, count(3, 2)):
         with suppress(JacobianError):
             yield D.change_ring(GF(p))

@@ -17,13 +17,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import gcd
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.addition.cantor_flint import Flint, FlintCantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.element import Element, Rng
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible, shown
+from jacobian.errors import ArgumentError, FieldError, Infeasible, shown
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.fields.flint_polynomials import conversions
@@ -31,10 +31,7 @@ from jacobian.fields.irreducible import first_irreducible
 from jacobian.fields.prime import prime_field
 from jacobian.fields.protocol import Field
 from jacobian.finite.miller import EllipticFunctions, has_functions
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_scalar
 
 ATTEMPTS = 200
 # over a field of ROOM·g²·log₂ m elements one random shift in ten succeeds; smaller fields are extended
@@ -46,22 +43,21 @@ class _Collision(Exception):
 
 
 def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | None = None) -> Element:
-    """e_m(D, E) = f_D(E)/f_E(D), an m-th root of unity in the field, for m·D = m·E = 0; div(f_D) = m·D.
+    """e_m(D, E) = f_D(E)/f_E(D), an m-th root of unity in the field, for m·D = m·E = 0 in one group; div(f_D) = m·D.
 
     It is bilinear, alternating, and non-degenerate on the full m-torsion (over the field that contains it). ``m``:
     positive, prime to the characteristic. ArgumentError for other m and for divisors that m does not annihilate,
     FieldError over infinite fields. ``rng`` chooses the shifts, which do not change the value; by default it has a
     fixed seed.
     """
-    m = _check(D, E, m)
-    there, back = _at_points(D, E, m, "D"), _at_points(E, D, m, "E")
-    if there is None or back is None:
-        _check_annihilated(D, m, "D")
-        _check_annihilated(E, m, "E")
-    else:
+    m = _check(D, m)
+    there, back = _at_points(D, E, m), _at_points(E, D, m)
+    if there is not None and back is not None:
         K: Any = D.jacobian.field
         value = K.div(there, back)
         return K.neg(value) if m % 2 else value
+    _check_annihilated(D, m, "D")
+    _check_annihilated(E, m, "E")
     if not D or not E:
         return D.jacobian.field.one
     move = _Extension(D.jacobian.curve, m, 1)
@@ -74,13 +70,13 @@ def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     It is bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; otherwise
     ArgumentError: extend the field until it does. Everything else is as for :func:`weil_pairing`.
     """
-    m = _check(D, E, m)
+    m = _check(D, m)
     q: Any = D.jacobian.field.order
     if (q - 1) % m:
         raise ArgumentError(
             f"m = {shown(m)} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
         )
-    at_point = _at_points(D, E, m, "D")
+    at_point = _at_points(D, E, m)
     if at_point is not None:
         return pow(at_point, (q - 1) // m, q)
     _check_annihilated(D, m, "D")
@@ -94,10 +90,8 @@ def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     return move.back(L.power(value, pow(move.degree, -1, m) if m > 1 else 1))
 
 
-def _check(D: Divisor, E: Divisor, m: Any) -> int:
+def _check(D: Divisor, m: Any) -> int:
     m = check_scalar(m, "m")
-    if E.jacobian != D.jacobian:
-        raise CurveMismatch(f"D and E lie on two curves: {D.jacobian.curve!r} and {E.jacobian.curve!r}")
     K = D.jacobian.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: pairings are computed over finite fields")
@@ -112,25 +106,18 @@ def _check(D: Divisor, E: Divisor, m: Any) -> int:
 
 def _check_annihilated(D: Divisor, m: int, name: str) -> None:
     if m * D:
-        raise _not_annihilated(D, m, name)
+        raise ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
 
 
-def _not_annihilated(D: Divisor, m: int, name: str) -> ArgumentError:
-    return ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
-
-
-def _at_points(D: Divisor, E: Divisor, m: int, name: str) -> Any:
+def _at_points(D: Divisor, E: Divisor, m: int) -> Any:
     """f(E), where div f = m·D and f has the leading coefficient 1 at infinity, for classes D and E of single points on
-    a curve of genus 1 over a prime field; no shift is needed. None on other curves, for D = 0 or E = 0, and where a
-    line of Miller's loop passes through E.
+    a curve of genus 1 over a prime field; no shift is needed. None on other curves, for D = 0 or E = 0, where m·D ≠ 0,
+    and where a line of Miller's loop passes through E.
     """
     if not D or not E or not has_functions(D.jacobian.curve):
         return None
     is_zero, over, under = EllipticFunctions(D.jacobian.curve)(D, E, m)
-    if not is_zero:
-        raise _not_annihilated(D, m, name)
-    K: Any = D.jacobian.field
-    return K.div(over, under) if over and under else None
+    return D.jacobian.field.div(over, under) if is_zero and over and under else None
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Rng | None) -> Any:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from math import lcm
-from typing import TYPE_CHECKING
 
 from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError, JacobianError
 from jacobian.fields import GF, QQ
 from jacobian.finite.integers import factorization
-
-if TYPE_CHECKING:
-    from jacobian.curve.curve import HyperellipticCurve
 
 
 def bad_primes(C: HyperellipticCurve) -> list[int]:

@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.addition.ladder import signed_digits
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, entries, shown, whole
 from jacobian.immutable import Immutable
-from jacobian.law.divisor import check_scalar
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor, GroupLaw
+from jacobian.law.divisor import Divisor, GroupLaw, check_scalar
 
 WINDOW = 4
 

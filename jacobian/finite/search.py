@@ -18,7 +18,7 @@ from functools import partial
 from itertools import islice
 from math import comb, gcd, isqrt, lcm, prod
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
@@ -30,11 +30,9 @@ from jacobian.finite.integers import factorization
 from jacobian.finite.orders import reduce_order
 from jacobian.finite.scalar import FixedBase
 from jacobian.finite.structure import PrimaryGroup
+from jacobian.law.divisor import Divisor
 from jacobian.numbers.compiler import interpreted
 from jacobian.progress import Progress
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor
 
 COUNT_LIMIT = 200_000
 SEARCH_LIMIT = 10**12
@@ -153,17 +151,12 @@ class Side:
     def learn(self, D: Divisor, candidates: Candidates) -> None:
         """Replaces ``exponent`` and ``divisor`` by their least common multiples with the order of D."""
         if self.exponent * D:
-            r = next(self._annihilating(D, candidates), None)
+            r = next(self.annihilating(D, candidates), None)
             assert r is not None, f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}"
             self.exponent = lcm(self.exponent, reduce_order(D, factorization(self.order(r, candidates.q))))
             self.divisor = lcm(self.divisor, self.exponent)
 
-    def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
-        """The candidates R whose orders annihilate D, or None if there are more than _FEW."""
-        found = list(islice(self._annihilating(D, candidates), _FEW + 1))
-        return found if len(found) <= _FEW else None
-
-    def _annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[list[int]]:
+    def annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[list[int]]:
         """Yields the candidates R whose orders annihilate D, found by baby steps and giant steps."""
         q, m = candidates.q, candidates.modulus
         lengths = [len(candidates.last(prefix)) for prefix in candidates.prefixes()]
@@ -229,10 +222,12 @@ def search(C: HyperellipticCurve) -> list[int]:
 
 
 def _without_factors(candidates: Candidates, sides: tuple[Side, Side], rng: Random) -> list[int] | None:
-    """The only candidate whose order annihilates random classes; None if several are left. No order is factored."""
-    q = candidates.q
-    few = sides[0].fitting(sides[0].J.random(rng), candidates)
-    if few is None:
+    """The only candidate whose order annihilates random classes. None if several are left, or more than _FEW after the
+    first class. No order is factored.
+    """
+    q, (side, _) = candidates.q, sides
+    few = list(islice(side.annihilating(side.J.random(rng), candidates), _FEW + 1))
+    if len(few) > _FEW:
         return None
     return alone([r for r in few if _is_weil(r, q)], [(side.J, partial(side.order, q=q)) for side in sides], rng)
 

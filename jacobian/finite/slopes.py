@@ -1,24 +1,14 @@
-"""Invariants modulo p of a curve over a finite field: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
+"""Invariants modulo p of a curve over a finite field: its p-rank, the slopes of Frobenius."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError, Infeasible
 from jacobian.fields.factor import factor
 from jacobian.finite.frobenius import frobenius_polynomial
-from jacobian.finite.hasse_witt import cartier_manin, frobenius_modulo_p
-
-if TYPE_CHECKING:
-    from jacobian.curve.curve import HyperellipticCurve
-
-
-def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
-    """See :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`."""
-    K: Any = C.field
-    if K.order is None or K.characteristic == 2:
-        raise FieldError(f"field = {K.name}: the Cartier–Manin matrix is that of a finite field of odd characteristic")
-    return cartier_manin(C)
+from jacobian.finite.hasse_witt import frobenius_modulo_p
 
 
 def p_rank(C: HyperellipticCurve) -> int:

@@ -11,15 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from math import gcd, isqrt, prod
 from random import Random
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from jacobian.element import Rng
 from jacobian.errors import CurveMismatch, Infeasible, NotAMultiple, shown, whole
 from jacobian.finite.integers import factorization
-from jacobian.law.divisor import check_divisor
-
-if TYPE_CHECKING:
-    from jacobian.law.divisor import Divisor, GroupLaw
+from jacobian.law.divisor import Divisor, GroupLaw, check_divisor
 
 FULL_TABLE = 4096
 LARGEST_TABLE = 1 << 21

@@ -74,9 +74,8 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
             raise PrecisionLoss(
                 f"digits = {shown(digits)}: a small relation was found that does not hold; use more digits"
             )
-        entries = [[A[i][j] for i, j in product(range(g), repeat=2)] for A in tangents]
         whole_ones = [[P.cover.numbers.convert(-int(i == j)) for j in range(g * g)] for i in range(g * g)]
-        rational = [v[: len(found)] for v in _relations([*entries, *whole_ones], kept)]
+        rational = [v[: len(found)] for v in _relations([*(A.entries() for A in tangents), *whole_ones], kept)]
     return Endomorphisms(P, tuple(found), tuple(map(tuple, rational)), kept)
 
 
@@ -112,21 +111,19 @@ def _blocks(v: Sequence[int], g: int) -> Integers:
     return tuple((*x, *y) for x, y in [*zip(a, b, strict=True), *zip(c, d, strict=True)])
 
 
-def _tangent(P: PeriodMatrix, R: Integers) -> list[list[Any]]:
-    """The matrix A of R on the tangent space: Π·(the first g columns of R)·Π_1⁻¹."""
+def _tangent(P: PeriodMatrix, R: Integers) -> Any:
+    """The matrix A of R on the tangent space: Π·(the first g columns of R)·Π_1⁻¹, an acb_mat."""
     from flint import acb_mat, fmpz_mat
 
-    g = P.cover.genus
-    first = acb_mat(P.big) * acb_mat(fmpz_mat([list(row[:g]) for row in R]))
-    found = first * acb_mat(P.A).inv()
-    return [[found[i, j] for j in range(g)] for i in range(g)]
+    first = fmpz_mat([list(row[: P.cover.genus]) for row in R])
+    return acb_mat(P.big) * acb_mat(first) * acb_mat(P.A).inv()
 
 
-def _holds(P: PeriodMatrix, A: list[list[Any]], R: Integers, digits: int) -> bool:
+def _holds(P: PeriodMatrix, A: Any, R: Integers, digits: int) -> bool:
     """Whether A·Π = Π·R to nine tenths of this many digits, relative to the largest entries that R may have."""
     from flint import acb_mat, fmpz_mat
 
     big = acb_mat(P.big)
-    off = acb_mat(A) * big - big * acb_mat(fmpz_mat([list(row) for row in R]))
+    off = A * big - big * acb_mat(fmpz_mat([list(row) for row in R]))
     size = P.cover.numbers.ten(-(digits - digits // 10) + digits // SMALL)
     return all(abs(x) < size for x in off.entries())

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cache
-from math import ceil, log
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from jacobian.native.library import Library
 from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BallReals
 from jacobian.numbers.roots import root
+from jacobian.periods.quadrature import ellipse
 
 Row = np.ndarray
 Vector = tuple[Complex, Complex]
@@ -54,13 +55,7 @@ def along(Z: LongField, roots: Sequence[Complex], lead: Complex, k: int) -> Vect
     return zeroth / factor, (a * zeroth + (b - a) * first) / factor
 
 
-def image(
-    Z: LongField,
-    roots: list[Complex],
-    lead: Complex,
-    halves: list[Vector],
-    pair: Sequence[Complex],
-) -> Vector:
+def image(Z: LongField, roots: list[Complex], lead: Complex, halves: list[Vector], pair: Sequence[Complex]) -> Vector:
     """The sum, modulo periods, of the integrals from the first root to both points of a pair (u₀, u₁, v₀, v₁).
 
     The pair is U = x² + u₁x + u₀, V = v₁x + v₀.
@@ -183,11 +178,8 @@ LIBRARY = Library("path_sums", {"path_sums": (path_sums, (WIDES, WIDES, INTS, WI
 
 def nodes_needed(poles: Sequence[Complex]) -> int:
     """The number of nodes, a multiple of 8, of a Gauss rule on [−1, 1] for an integrand singular at the ``poles``."""
-    rates = []
-    for pole in map(complex, poles):
-        beyond = (pole * pole - 1) ** 0.5
-        rates.append(log(max(abs(pole + beyond), abs(pole - beyond))))
-    count = ceil(DIGITS * log(10) / (2 * max(min(rates), 1e-9))) + 6
+    digits = min(ellipse(complex(pole)) for pole in poles)
+    count = ceil(DIGITS / (2 * max(digits, 1e-9))) + 6
     return count + -count % 8
 
 

@@ -21,6 +21,7 @@ The identity is y₀ = ∞, the inverse of y₀ is −y₀ − h(x₀), and for 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 from jacobian import poly
@@ -74,8 +75,7 @@ class Representative(Immutable):
             return self
         C, K = self.curve, self.curve.field
         c = K.coerce(c, "c")
-        at_infinity = FibreGroup(C)
-        if not at_infinity.is_unit((K.neg(c), K.one)):
+        if not FibreGroup(C).is_unit((K.neg(c), K.one)):
             raise NotRepresentable(f"c = {written(c)}: that member of the pencil contains a point at infinity")
         multiple = poly.trim(K, poly.scale(K, c, self.u)) if K.exact else poly.scale(K, c, self.u)
         p = poly.add(K, self.v, multiple)
@@ -90,9 +90,8 @@ class Representative(Immutable):
         if K.order is None:
             raise FieldError(f"field = {K.name} is infinite: the pencil cannot be listed, use member(c)")
         yield self
-        at_infinity = FibreGroup(self.curve)
         for c in K.elements():
-            if at_infinity.is_unit((K.neg(c), K.one)):
+            with suppress(NotRepresentable):
                 yield self.member(c)
 
     def step(self, x0: Value | None, y0: Value) -> Representative:

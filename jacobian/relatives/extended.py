@@ -20,10 +20,11 @@ with lifts; it also has sums in which a point goes to infinity.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from jacobian import poly
 from jacobian.addition import cantor
+from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.immutable import Immutable
@@ -71,18 +72,6 @@ class Reduction(NamedTuple):
     high: bool
 
 
-class Kind(Protocol):
-    """The rules for one datum: its value for the class 0, and how −D, a composition and a reduction step change it."""
-
-    def zero(self, group: ExtendedGroup) -> Any: ...
-
-    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any: ...
-
-    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any: ...
-
-    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any: ...
-
-
 class ExtendedGroup(Immutable):
     """The pairs of y² = f(x) with data of the given ``kinds``, over an exact or an inexact field.
 
@@ -126,16 +115,7 @@ class ExtendedGroup(Immutable):
 
     def multiple(self, m: int, D: Extended) -> Extended:
         """m·D for any int m."""
-        if m < 0:
-            return self.multiple(-m, self.negate(D))
-        if m == 0:
-            return self.zero()
-        total = D
-        for bit in bin(m)[3:]:
-            total = self.add(total, total)
-            if bit == "1":
-                total = self.add(total, D)
-        return total
+        return multiple(m, D, self.add, lambda E: self.add(E, E), self.negate, self.zero())
 
     def compose(self, D: Extended, E: Extended) -> Extended:
         """The unreduced pair of all points of D and E except those that cancel with opposite points."""
@@ -145,12 +125,10 @@ class ExtendedGroup(Immutable):
 
     def _exact_composition(self, D: Extended, E: Extended) -> Composition:
         assert self.curve is not None
-        first, second = (D.u, D.v, None), (E.u, E.v, None)
-        u, v, _ = cantor.compose(self.curve, first, second)
-        everything = len(u) == len(D.u) + len(E.u) - 1
-        common = (self.field.one,) if everything else cantor.cancelled(self.curve, first, second)
-        k, other = (poly.quotient(self.field, poly.sub(self.field, v, part.v), part.u) for part in (D, E))
-        return Composition(u, v, common, (k, other))
+        parts = cantor.factors(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+        u, v, _ = cantor.multiplied(self.curve, *parts)
+        k, other = (poly.quotient(self.field, poly.sub(self.field, v, X.v), X.u) for X in (D, E))
+        return Composition(u, v, poly.quotient(self.field, D.u, parts[0]), (k, other))
 
     def _general_composition(self, D: Extended, E: Extended) -> Composition:
         """The composition of pairs in general position: v = v₁ + u₁k with k·u₁ ≡ v₂ − v₁ mod u₂.
@@ -290,11 +268,6 @@ class Lift(NamedTuple):
             sigma = ordinate / (kappa * nu)
         return kappa, sigma, nu
 
-    def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
-        """(κ/c², cσ, cν), which is the same lift as the datum (κ, σ, ν)."""
-        K, (kappa, sigma, nu) = group.field, datum
-        return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, nu)
-
     def zero(self, group: ExtendedGroup) -> Any:
         return group.field.one, group.field.one, group.field.zero
 
@@ -345,11 +318,6 @@ class PointLift(NamedTuple):
     x: Any
     y: Any
 
-    def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
-        """The same datum as (κ/c², cσ, cσ̄)."""
-        K, (kappa, sigma, bar) = group.field, datum
-        return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, bar)
-
     def zero(self, group: ExtendedGroup) -> Any:
         one = group.field.one
         return one, one, one
@@ -379,6 +347,12 @@ class PointLift(NamedTuple):
             if group.odd:
                 after, scale = K.neg(after), K.neg(scale)
         return after, K.div(above, K.mul(scale, bar)), K.div(below, K.mul(scale, sigma))
+
+
+def scaled(K: Any, datum: Any, c: Any) -> Any:
+    """(κ/c², cσ, cν) for a datum (κ, σ, ν) of a Lift, or (κ/c², cσ, cσ̄) for one of a PointLift: the same datum."""
+    kappa, *others = datum
+    return K.div(kappa, K.mul(c, c)), *(K.mul(c, x) for x in others)
 
 
 class SecondKind(NamedTuple):
@@ -424,3 +398,7 @@ class ThirdKind(NamedTuple):
             return datum
         b = step.lead if degree == group.genus + 1 else K.zero
         return K.div(K.mul(datum, K.sub(b, self.r)), K.add(b, self.r))
+
+
+Kind = Lift | PointLift | SecondKind | ThirdKind
+"""The rules for one datum: its value for the class 0, and how −D, a composition and a reduction step change it."""

@@ -208,10 +208,7 @@ def multiply(C: HyperellipticCurve, first: Function, second: Function) -> Functi
     K, (a, b), (a2, b2) = C.field, first, second
     last = poly.mul(K, b, b2)
     mixed = poly.add(K, poly.mul(K, a, b2), poly.mul(K, b, a2))
-    return (
-        poly.add(K, poly.mul(K, a, a2), poly.mul(K, last, C.f)),
-        poly.sub(K, mixed, poly.mul(K, last, C.h)),
-    )
+    return poly.add(K, poly.mul(K, a, a2), poly.mul(K, last, C.f)), poly.sub(K, mixed, poly.mul(K, last, C.h))
 
 
 def conjugate(C: HyperellipticCurve, function: Function) -> Function:

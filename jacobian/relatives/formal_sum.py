@@ -153,12 +153,12 @@ class FormalSum(Immutable):
         if not isinstance(other, FormalSum):
             return self if is_zero_int(other) else NotImplemented
         C, K = self._compatible(other).curve, self.curve.field
-        first, second = (self.u, self.v, None), (other.u, other.v, None)
-        u, v, _ = cantor.compose(C, first, second)
-        above = poly.mul(K, cantor.cancelled(C, first, second), poly.mul(K, self.numerator, other.numerator))
+        parts = cantor.factors(C, (self.u, self.v, None), (other.u, other.v, None))
+        u, v, _ = cantor.multiplied(C, *parts)
+        above = poly.mul(K, poly.quotient(K, self.u, parts[0]), poly.mul(K, self.numerator, other.numerator))
         below = poly.mul(K, self.denominator, other.denominator)
         weights = tuple(x + y for x, y in zip(self.weights, other.weights, strict=True))
-        return FormalSum(C, (u, poly.mod(K, v, u)), (above, below), weights)
+        return FormalSum(C, (u, v), (above, below), weights)
 
     __radd__ = __add__
 

@@ -2,19 +2,18 @@
 
 Each class D is either independent of the classes before it, or nD is an integral combination of them up to torsion, for
 some n > 0 (:func:`jacobian.relatives.heights.dependence`). If n > 1, D enlarges the lattice that those classes span
-modulo torsion, and Euclid's algorithm on coordinates finds a basis of the larger lattice.
+modulo torsion, and Hermite's normal form of coordinates gives a basis of the larger lattice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf
 from typing import Any, NamedTuple
 
 from jacobian.law.divisor import Divisor
-from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.matrix import nearest
-from jacobian.relatives.heights import canonical_height, dependence, pairings
+from jacobian.relatives.heights import canonical_height, dependence, pairings, regulator
 from jacobian.relatives.rational_torsion import differences
 
 
@@ -40,9 +39,7 @@ def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
         if D.order() == inf:
             basis = _with(basis, D, digits)
     basis = _reduced(basis, digits)
-    matrix = pairings(basis, digits)
-    with BallReals(64 + 4 * digits):
-        return Generators(tuple(basis), matrix.det())
+    return Generators(tuple(basis), regulator(basis, digits))
 
 
 def from_points(J: Any, height: int, digits: int = 20) -> Generators:
@@ -57,30 +54,24 @@ def _with(basis: list[Divisor], D: Divisor, digits: int) -> list[Divisor]:
         return [*basis, D]
     m, n = found
     # n times the coordinates of each class in the basis
-    rows = [([n * int(i == j) for j in range(len(basis))], G) for i, G in enumerate(basis)]
-    return basis if n == 1 else _euclid([*rows, (m, D)])
+    rows = [[n * int(i == j) for j in range(len(basis))] for i in range(len(basis))]
+    return basis if n == 1 else _spanned([*rows, m], [*basis, D])
 
 
-def _euclid(rows: list[tuple[list[int], Divisor]]) -> list[Divisor]:
-    """A basis of the lattice spanned by classes, each given with a row of integral coordinates: the rows are brought
-    into echelon form, and every row operation is applied to the classes too.
+def _spanned(rows: Sequence[Sequence[int]], classes: Sequence[Divisor]) -> list[Divisor]:
+    """A basis of the lattice spanned by classes of which ``rows`` has the integral coordinates, the rank being one less
+    than the number of classes. Hermite's normal form of the rows, each with a unit vector appended, has in the place of
+    the unit vectors the combinations of the classes.
     """
-    found = []
-    for column in range(len(rows[0][0])):
-        while True:
-            rows.sort(key=lambda row: (not row[0][column], abs(row[0][column])))
-            (first, D), rest = rows[0], rows[1:]
-            if not first[column] or not any(row[column] for row, _ in rest):
-                break
-            quotients = [row[column] // first[column] for row, _ in rest]
-            rows[1:] = [
-                ([a - q * b for a, b in zip(row, first, strict=True)], E - q * D)
-                for q, (row, E) in zip(quotients, rest, strict=True)
-            ]
-        if first[column]:
-            found.append(D)
-            rows = rest
-    return found
+    from flint import fmpz_mat
+
+    size = len(classes)
+    matrix = fmpz_mat([[*row, *(int(i == j) for j in range(size))] for i, row in enumerate(rows)])
+    return [_combined(row[-size:], classes) for row in matrix.hnf().tolist()[:-1]]
+
+
+def _combined(row: Sequence[Any], classes: Sequence[Divisor]) -> Divisor:
+    return sum((int(m) * D for m, D in zip(row, classes, strict=True)), classes[0].jacobian.zero())
 
 
 def _reduced(basis: list[Divisor], digits: int) -> list[Divisor]:
@@ -93,6 +84,5 @@ def _reduced(basis: list[Divisor], digits: int) -> list[Divisor]:
     size, scale = len(basis), 10 ** (digits // 2)
     gram = fmpz_mat([[nearest(scale * matrix[max(i, j), min(i, j)]) for j in range(size)] for i in range(size)])
     _, T = gram.lll(transform=True, rep="gram")
-    zero = basis[0].jacobian.zero()
-    reduced = [sum((int(m) * G for m, G in zip(row, basis, strict=True)), zero) for row in T.tolist()]
+    reduced = [_combined(row, basis) for row in T.tolist()]
     return sorted(reduced, key=lambda D: float(canonical_height(D, digits)))

@@ -117,12 +117,12 @@ class GeneralizedJacobian(Jacobian):
         u, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
         if len(u) <= 3:
             return self._represented(u, p) if len(u) == 3 else self.zero()
-        u = poly.quotient(K, poly.sub(K, poly.mul(K, p, p), self.curve.f), u)
-        u = poly.monic(K, u)
-        return self._represented(u, poly.neg(K, poly.mod(K, p, u)))
+        u, v, _ = cantor.reflect(self.curve, u, p, None)
+        return self._represented(u, v)
 
     def double(self, D: Divisor) -> Divisor:
         """D + D."""
+        check_growth(self.field, D.u, D.v)
         return self.add(D, D)
 
     def negate(self, D: Divisor) -> Divisor:
@@ -131,12 +131,7 @@ class GeneralizedJacobian(Jacobian):
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
         """m·D for any int m. The compiled code cannot be used here, because it adds in the Jacobian."""
-
-        def double(E: Divisor) -> Divisor:
-            check_growth(self.field, E.u, E.v)
-            return self.double(E)
-
-        return multiple(m, D, self.add, double, self.negate, self.zero())
+        return multiple(m, D, self.add, self.double, self.negate, self.zero())
 
     def order(self) -> int:
         """Raises NotRepresentable: the order of a generalized Jacobian is not computed."""

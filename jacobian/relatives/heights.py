@@ -152,17 +152,13 @@ def dependence(matrix: Any, classes: Sequence[Divisor], digits: int) -> tuple[li
         ratios = []
         if basis:
             ratios = arb_mat([row[:size] for row in rows[:size]]).solve(arb_mat([row[size:] for row in rows[:size]]))
-            ratios = [_fraction(x).limit_denominator(10 ** (digits // 3)) for x in ratios.entries()]
+            middles = (x.mid().fmpq() for x in ratios.entries())
+            ratios = [Fraction(int(x.p), int(x.q)).limit_denominator(10 ** (digits // 3)) for x in middles]
     n = lcm(*(c.denominator for c in ratios))
     m = [int(n * c) for c in ratios]
     if (n * D - sum((c * G for c, G in zip(m, basis, strict=True)), D.jacobian.zero())).order() != inf:
         return m, n
     raise PrecisionLoss(f"the classes are neither independent nor dependent to {shown(digits)} digits; use more")
-
-
-def _fraction(x: Any) -> Fraction:
-    middle = x.mid().fmpq()
-    return Fraction(int(middle.p), int(middle.q))
 
 
 def _of_one_group(classes: Sequence[Divisor]) -> list[Divisor]:

@@ -10,6 +10,7 @@ algebra and the Chinese remainder theorem.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement
 from math import lcm
@@ -131,11 +132,8 @@ class KummerSurface(Immutable):
     def _reductions(self) -> Iterator[Jacobian]:
         """Yields the Jacobians of y² = f(x) over GF(p) for primes p of good reduction, descending from 2⁶¹ − 1."""
         for p in filter(is_prime, range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2)):
-            try:
-                C = HyperellipticCurve(GF(p), [c % p for c in self.f])
-            except JacobianError:
-                continue
-            yield C.jacobian()
+            with suppress(JacobianError):
+                yield HyperellipticCurve(GF(p), [c % p for c in self.f]).jacobian()
 
     def _delta_modulo(self, J: Jacobian) -> list[int]:
         """All coefficients of δ modulo a prime, from the equations δ_1(x)·y_i = δ_i(x)·y_1 for x = κ(D), y = κ(2D)."""

@@ -13,18 +13,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from itertools import chain, combinations, count, product, zip_longest
+from itertools import chain, combinations, product, zip_longest
 from math import inf, prod
 from typing import NamedTuple
 
 from jacobian import poly
 from jacobian.curve.points import AffinePoint
 from jacobian.errors import FieldError, JacobianError, NotASquare, whole
-from jacobian.fields import GF, QQ
+from jacobian.fields import QQ
 from jacobian.fields.factor import factor, roots
-from jacobian.fields.primality import is_prime
 from jacobian.fields.residue import quadratic_root
 from jacobian.finite.integers import factorization
+from jacobian.finite.orders import reductions_of
 from jacobian.finite.structure import PrimaryGroup, Structure, joined, sylow_subgroup
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.relatives.torsion_lifts import grow
@@ -88,16 +88,9 @@ def rational_torsion(J: GroupLaw, height: int = 100) -> RationalTorsion:
     return RationalTorsion(joined(list(groups.values())), _invariants(exponents))
 
 
-def _reductions(J: GroupLaw) -> Iterator[GroupLaw]:
-    """Yields J modulo p for the odd primes p of good reduction, ascending."""
-    for p in filter(is_prime, count(3, 2)):
-        with suppress(JacobianError):
-            yield J.change_ring(GF(p))
-
-
 def _first_reductions(J: GroupLaw) -> list[Subgroups]:
     found: list[Subgroups] = []
-    for reduced in _reductions(J):
+    for reduced in reductions_of(J):
         if len(found) == REDUCTIONS or (found and (reduced.field.order or 0) ** J.curve.genus > MOST_CLASSES):
             break
         with suppress(JacobianError):
@@ -117,7 +110,7 @@ def _grow(group: PrimaryGroup, reductions: list[Subgroups]) -> None:
     They are lifted from the ℓ-part of J modulo a prime p ≠ ℓ, the smallest ℓ-part to which ``group`` reduces.
     """
     known = sorted((groups[group.prime] for groups in reductions), key=lambda whole: whole.order)
-    later = (sylow_subgroup(reduced, group.prime) for reduced in _reductions(group.zero.jacobian))
+    later = (sylow_subgroup(reduced, group.prime) for reduced in reductions_of(group.zero.jacobian))
     for among in chain(known, later):
         K = among.zero.jacobian.field
         reduced = PrimaryGroup(among.zero, group.prime)

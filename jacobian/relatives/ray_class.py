@@ -149,44 +149,35 @@ class RayClassGroup(Immutable):
         functions = [*self._generator(a), *self._generator(b)]
         return self._reduced(cantor.compose(J._model, a, b), functions, self.fibre.multiply(C.unit, D.unit))
 
+    def double(self, C: RayClass) -> RayClass:
+        """C + C."""
+        check_growth(self.field, C.divisor.u, C.divisor.v, C.unit)
+        return self.add(C, C)
+
     def negate(self, C: RayClass) -> RayClass:
         """−C."""
-        K, (u, v, n) = self.field, self.jacobian._in(C.divisor)
-        functions = [conjugate(self.curve, function) for function in self._generator((u, v, n))]
-        opposite = poly.mod(K, poly.neg(K, poly.add(K, v, self.jacobian._model.h)), u)
-        if n is not None:
-            n = 2 * ((self.curve.genus + 1) // 2) - (len(u) - 1) - n
-        return self._reduced((u, opposite, n), functions, self.fibre._conjugate(C.unit))
+        J = self.jacobian
+        triple = J._in(C.divisor)
+        functions = [conjugate(self.curve, function) for function in self._generator(triple)]
+        return self._reduced(cantor.opposite(J._model, triple), functions, self.fibre._conjugate(C.unit))
 
     def multiply(self, m: int, C: RayClass) -> RayClass:
         """m·C for any int m, by signed windows (width-w non-adjacent form; Solinas 2000)."""
-
-        def double(a: RayClass) -> RayClass:
-            check_growth(self.curve.field, a.divisor.u, a.divisor.v, a.unit)
-            return self.add(a, a)
-
-        return multiple(m, C, self.add, double, self.negate, self.zero())
+        return multiple(m, C, self.add, self.double, self.negate, self.zero())
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
         """The element represented by the ideal of ``triple`` with the generator unit · Π ``functions`` at the modulus.
 
         ``triple`` is a divisor on the model of the curve on which the Jacobian computes.
         """
-        model = self.jacobian._model
-        u, v, n = triple
-        functions = list(functions)
-        limit = model.genus + (1 if model.model == "split" else 0)
-        while len(u) - 1 > limit:
-            functions.append(conjugate(self.curve, self._minus(v)))
-            u, v, n = cantor.reflect(model, u, v, n)
-        while n is not None and not 0 <= n <= model.genus - (len(u) - 1):
-            part = model.principal_parts[1 if n < 0 else 0]
-            v = poly.add(self.field, part, poly.mod(self.field, poly.sub(self.field, v, part), u))
-            functions.append(conjugate(self.curve, self._minus(v)))
-            u, v, n = cantor.reflect(model, u, v, n)
-        functions += [conjugate(self.curve, function) for function in self._generator((u, v, n))]
+        opposite = []
+        for line, below in cantor.reductions(self.jacobian._model, triple):
+            opposite.append(self._minus(line))
+            triple = below
+        opposite += self._generator(triple)
+        functions = [*functions, *(conjugate(self.curve, function) for function in opposite)]
         unit = self.fibre.multiply(unit, self.fibre.class_of(functions))
-        return RayClass(self, self.jacobian._out((u, v, n)), unit)
+        return RayClass(self, self.jacobian._out(triple), unit)
 
     def _minus(self, v: poly.Poly) -> Function:
         """The function y − v on the curve, for a v on the model on which the Jacobian computes."""
@@ -247,8 +238,7 @@ class RayClass(Immutable):
             return self if is_zero_int(other) else NotImplemented
         return self.group.add(self, self._compatible(other))
 
-    def __radd__(self, other: RayClass | Literal[0]) -> RayClass:
-        return self if is_zero_int(other) else NotImplemented
+    __radd__ = __add__
 
     def __rsub__(self, other: RayClass | Literal[0]) -> RayClass:
         return -self if is_zero_int(other) else NotImplemented
@@ -263,7 +253,7 @@ class RayClass(Immutable):
 
     def double(self) -> RayClass:
         """C + C."""
-        return self.group.add(self, self)
+        return self.group.double(self)
 
     def __mul__(self, scalar: SupportsIndex) -> RayClass:
         if isinstance(scalar, RayClass):

@@ -198,9 +198,7 @@ class SignedGroup(Immutable):
                 raise NotRepresentable(
                     f"the summands share opposite points: their sum has weight below {self._full} and no pairs"
                 )
-            psi = poly.sub(K, poly.mul(K, p, p), f)
-            u = poly.monic(K, poly.quotient(K, psi, product))
-            v = poly.neg(K, poly.mod(K, p, u))
+            u, v, _ = cantor.reflect(self.curve, product, p, None)
         else:
             u, v, p, q = self._composed(self.weight, D, E)
         degree = len(D.u) + len(E.u) - 3

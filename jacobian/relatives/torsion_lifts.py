@@ -90,30 +90,20 @@ class TorsionLifts:
         # modulo p the surface is that of y² = F = h² + 4f, over QQ that of y² = scale²·F
         x[3] = x[3] * self.surface.scale**2 % self.p
         i = unit(x)
-        x = self._scaled(x, i, self.p)
         others = [k for k in range(4) if k != i]
         dependent = next(k for k in others if self._slope(x, k) % self.p)
-        modulus = self.p
+        modulus, bits = self.p, [int(bit) for bit in bin(m + 1)[2:]]
         for _ in range(self.digits.bit_length() - 1):
             modulus = modulus**2
             x[dependent] = self._solved(x, dependent, modulus)
-            image = self._multiple(m + 1, x, i, modulus)
-            step = pow(m, -1, modulus)
+            image = multiple_of(Residues(modulus), self.forms, [0] * SCRATCH, x, i, bits)
+            step, scale = (pow(c, -1, modulus) for c in (m, image[i]))
             for k in others:
                 if k != dependent:
-                    x[k] = (x[k] - step * (image[k] - x[k])) % modulus
+                    x[k] = (x[k] - step * (scale * image[k] - x[k])) % modulus
             x[dependent] = self._solved(x, dependent, modulus)
         found = rational_class(self.surface, self.J, self._integers(x, modulus))
         return found if found is not None and not m * found else None
-
-    def _scaled(self, x: Any, i: int, modulus: int) -> list[int]:
-        inverse = pow(x[i], -1, modulus)
-        return [c * inverse % modulus for c in x]
-
-    def _multiple(self, m: int, x: list[int], i: int, modulus: int) -> list[int]:
-        bits = [int(bit) for bit in bin(m)[2:]]
-        found = multiple_of(Residues(modulus), self.forms, [0] * SCRATCH, x, i, bits)
-        return self._scaled(found, i, modulus)
 
     def _solved(self, x: list[int], k: int, modulus: int) -> int:
         """The coordinate k of the point of the surface with the other coordinates of x, after one Newton step."""
