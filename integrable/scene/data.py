@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -227,12 +228,9 @@ class Scene:
         is no map.
         """
         assert self.steps is not None, "the scene has no [steps]"
-        result = None
         with self._placed("[steps] maps:"):
-            for one in self.steps.maps:
-                step = one.of(system, self._numbers(digits))
-                result = step if result is None else step @ result
-        return result
+            steps = [one.of(system, self._numbers(digits)) for one in self.steps.maps]
+            return reduce(lambda first, second: second @ first, steps)
 
     def _field(self, digits: int) -> Any:
         from jacobian import MP, RR
