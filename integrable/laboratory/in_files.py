@@ -30,13 +30,13 @@ def usual(body: Any) -> tuple[str, ...]:
     return ("quaternion", "omega") if body.radius is None else ("quaternion", "omega", "contact")
 
 
-def about_body(body: Any, **more: Any) -> dict[str, Any]:
+def about_body(body: Any) -> dict[str, Any]:
     """A description of a motion of this body: numbers, strings and lists of numbers. Its entry "axes" has the principal
     axes, one after the other, in the axes of the tensor.
     """
     given = {"inertia": body.moments, "axes": np.ravel(body.axes.T)}
     given |= {name: x for name, x in (("mass", body.mass), ("radius", body.radius)) if x is not None}
-    return {**made_of(body, given), **more}
+    return made_of(body, given)
 
 
 def columns_of(dims: tuple[str, ...], run: Any, quantities: Iterable[str] | None) -> dict[str, Column]:
