@@ -149,7 +149,10 @@ def _read_orbit(top: Table, plain: bool) -> dict[str, Any]:
     field = top.text("field", "")
     exact = "field" in top
     if exact:
-        top.within("field", lambda: finite_field(field))
+        try:
+            finite_field(field)
+        except ArgumentError as error:
+            top.fail("field", str(error).removeprefix("field: "))
     table = _section(top, "steps", _STEPS[:3] if exact else _STEPS)
     digits, truth_digits = ((), 0) if exact else _read_costs(table, least=1)
     count = table.integer("count", 1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -55,13 +55,6 @@ class Table:
     def fail(self, key: str, why: str) -> Any:
         """Raise ArgumentError with the place and the key in front of ``why``."""
         raise ArgumentError(f"{self.place} {key}: {why}")
-
-    def within(self, key: str, check: Callable[[], Any]) -> None:
-        """Run ``check``; its ArgumentError is prefixed with the place and the key."""
-        try:
-            check()
-        except ArgumentError as error:
-            self.fail(key, str(error).removeprefix(f"{key}: "))
 
     def _get(self, key: str, default: Any, needed: str) -> Any:
         if default is _MISSING and key not in self.content:
