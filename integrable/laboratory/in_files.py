@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from integrable.files.frame import Column, Frame
+from integrable.files.frame import Column
 from integrable.files.quantities import AXES, Quantity, checked, columns, made_of
 
-__all__ = ["about_body", "columns_of", "run_frame", "usual"]
+__all__ = ["about_body", "columns_of", "usual"]
 
 SPACE = ("x", "y", "z")
 QUANTITIES = {
@@ -43,9 +43,3 @@ def columns_of(dims: tuple[str, ...], run: Any, quantities: Iterable[str] | None
     """Quantities of one run or of many, along ``dims``."""
     names = checked(quantities, QUANTITIES)
     return columns(dims, {name: getattr(run, name) for name in names}, QUANTITIES)
-
-
-def run_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
-    """The content of a file about a :class:`integrable.laboratory.motion.LaboratoryRun`, along the dimension "time"."""
-    time = Column(("time",), run.times, "s", "physical time t")
-    return Frame(("time",), {"time": time}, columns_of(("time",), run, quantities), about_body(run.motion.body))
