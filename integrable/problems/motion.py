@@ -78,11 +78,8 @@ class UnitMotion:
     def scales(self, system: Any) -> Scales:
         if self.unit is None:
             return Scales(1, 1, 1)
-        context = getattr(system.field, "context", None)
-        if context is None:
-            return Scales(*(float(self.square) ** (power / 2) for power in self.unit[:3]))
-        square = context.mpf(self.square.numerator) / self.square.denominator
-        return Scales(*(square ** (context.mpf(power) / 2) for power in self.unit[:3]))
+        square = system.field.coerce(self.square)
+        return Scales(*(square ** (power / 2) for power in self.unit[:3]))
 
     def start(self, digits: int) -> tuple[Any, State]:
         """The system and its start, scaled to unit length."""
