@@ -16,12 +16,13 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import wrap
 from typing import Any, NoReturn, TypeVar
 
-from integrable.extras import version_of
+from integrable.extras import version_of, without
 from integrable.scene.file import load_scene, scene_names
 from jacobian.errors import ArgumentError, JacobianError, shortened
 from jacobian.terminal import CommandParser, write_anything
@@ -267,17 +268,15 @@ def _race(arguments: argparse.Namespace) -> None:
     from integrable.races.race import pieces_of_race, race
     from integrable.scene.output import as_json
     from integrable.scene.progress import bar_of_pieces
+    from integrable.study.timing import silent
 
     out = _place(arguments.out, None if arguments.json else Path("runs") / "race")
     names = arguments.problem or ["t_handle"]
     own = dict(map(loaded, arguments.own))
-    options: dict[str, Any] = {"rivals": tuple(arguments.rival or RIVALS), "limit": arguments.limit}
-    problems = problem_names() if names == ["all"] else names
-    if _bar_wanted(arguments):
-        with bar_of_pieces("race", pieces_of_race(problems, options["rivals"])) as tick:
-            found = race(problems, own, tick=tick, **options)
-    else:
-        found = race(problems, own, **options)
+    rivals, problems = tuple(arguments.rival or RIVALS), problem_names() if names == ["all"] else names
+    drawn = _bar_wanted(arguments) and not without({"tqdm": "the progress bar"})
+    with bar_of_pieces("race", pieces_of_race(problems, rivals)) if drawn else nullcontext(silent) as tick:
+        found = race(problems, own, rivals=rivals, limit=arguments.limit, tick=tick)
     if arguments.json:
         print(as_json(found.as_dict()), end="")
     elif not arguments.quiet:

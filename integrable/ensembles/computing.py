@@ -45,31 +45,27 @@ class Said(NamedTuple):
     estimate: float = 0.0
 
 
-class Names(NamedTuple):
-    """The names of all ways, and of the ``usual`` one: that of each member whose outcome a :data:`Part` leaves out."""
-
-    words: tuple[str, ...]
-    usual: str
-
-
-OF_BODIES = Names(tuple(WAYS), "short run")
+USUAL = "short run"
+"""The way of each member whose outcome a :data:`Part` leaves out."""
+OF_BODIES = tuple(WAYS)
 Part = Callable[[int, int], list[Said]]
 """A function that computes the members from ``begin`` to ``end`` − 1, and returns the outcome of some of them."""
 
 
 def gathered(
-    count: int, length: int, part: Part, most: int | None = None, names: Names = OF_BODIES, members: int = MEMBERS
-) -> Outcome:
+    count: int, length: int, part: Part, most: int | None = None, words: tuple[str, ...] = OF_BODIES,
+    members: int = MEMBERS,
+) -> Outcome:  # fmt: skip
     """The outcome of ``count`` members at ``length`` times. ``part`` is called for ranges of at most ``members``,
-    on all threads or on ``most``.
+    on all threads or on ``most``. ``words`` are the names of all ways.
 
     A member whose outcome ``part`` does not return has all its states, computed by the usual way.
     """
     size = max(1, min(members, STATES // max(1, length)))
-    status, ways = np.zeros(count, dtype=np.intp), np.full(count, names.words.index(names.usual), dtype=np.int8)
+    status, ways = np.zeros(count, dtype=np.intp), np.full(count, words.index(USUAL), dtype=np.int8)
     estimates, reasons, partial = np.zeros(count), {"": 0}, {}
     for member, way, why, estimates[member] in (said for found in in_ranges(count, size, part, most) for said in found):
-        ways[member] = names.words.index(way) if way else REFUSED
+        ways[member] = words.index(way) if way else REFUSED
         if isinstance(why, str):
             status[member] = reasons.setdefault(why, len(reasons))
             continue
@@ -77,7 +73,7 @@ def gathered(
         if numbers.any():
             status[member] = numbers[numbers > 0][0]
             partial[member] = numbers
-    return Outcome(status, ways, tuple(reasons), partial, names.words, estimates)
+    return Outcome(status, ways, tuple(reasons), partial, words, estimates)
 
 
 def statuses(status: np.ndarray, partial: dict[int, np.ndarray], length: int) -> np.ndarray:

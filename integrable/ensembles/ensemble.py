@@ -122,7 +122,7 @@ class Ensemble(Starts[Motion, Trajectories]):
             "M_start": Column(("member", "axis"), self.M, "kg m2 s-1", "M at time 0", AXES),
         }
         attributes = about(self.system, tilted=int(self.tilted))
-        return Contents(STATES, parameters, attributes, [stamp(self.system), self.tilted], OF_BODIES.words)
+        return Contents(STATES, parameters, attributes, [stamp(self.system), self.tilted], OF_BODIES)
 
     def flow(self, member: int) -> Motion:
         """The motion of one member; raises an error if the member is refused."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.ensembles.bodies import plain, short_runs
-from integrable.ensembles.computing import Names, Outcome, Said, gathered
+from integrable.ensembles.computing import USUAL, Outcome, Said, gathered
 from integrable.ensembles.members import Starts, common_count, numbers, times_of
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Frame
@@ -41,7 +41,7 @@ COLUMNS = 12
 WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
 # the name of the way of a member that is computed by its own motion
 OWN = "own motion"
-IN_LABORATORY = Names(("short run", OWN), "short run")
+IN_LABORATORY = (USUAL, OWN)
 
 
 def laboratory_ensemble(

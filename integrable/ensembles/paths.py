@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from integrable.ensembles.computing import Names, Outcome, Said, gathered
+from integrable.ensembles.computing import Outcome, Said, gathered
 from integrable.ensembles.members import AT, Contents, Starts, common_count, numbers, times_of, times_of_some
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Column, Frame
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 MANY, AT_A_TIME = 64, 256
 # the names that ``ways`` may have: those of paths, alone or in combination, and those of bodies
 OF_PATHS = [", ".join(words) for n in (1, 2, 3) for words in combinations((SERIES, TORUS, ADDITIONS), n)]
-OF_SYSTEMS = Names(tuple(dict.fromkeys([*OF_PATHS, *WAYS])), SERIES)
+OF_SYSTEMS = tuple(dict.fromkeys([*OF_PATHS, *WAYS]))
 PARTS = ("q", "p")
 
 
@@ -73,7 +73,7 @@ class PathEnsemble(Starts[MumfordFlow, "Paths"]):
         attributes = made_of(self.system, self.system.arguments)
         identity = [attributes["system_stamp"], self.tolerance]
         return Contents(
-            {name: (parts[name], states[name]) for name in PARTS}, parameters, attributes, identity, OF_SYSTEMS.words
+            {name: (parts[name], states[name]) for name in PARTS}, parameters, attributes, identity, OF_SYSTEMS
         )
 
     @property

@@ -129,8 +129,7 @@ class _Problem:
     def result(self, x: np.ndarray) -> Any:
         """The fitted motion at the parameters ``x``, in the axes of the guess's tensor."""
         moments, turned = self.moments(x), _rotation(x[:3]) @ self._start
-        plain = bool((self._axes == np.eye(3)).all())
-        tensor = moments if plain else self._axes @ np.diag(moments) @ self._axes.T
+        tensor = self._axes @ np.diag(moments) @ self._axes.T
         return type(self._body)(tensor).motion(turned @ self._axes.T, turned @ (self._omega + x[3:6]))
 
     def _motion(self, x: np.ndarray) -> Any:

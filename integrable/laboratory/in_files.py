@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from integrable.files.frame import Column, Frame
+from integrable.files.frame import Column
 from integrable.files.quantities import AXES, Quantity, checked, columns, made_of
 
-__all__ = ["about_body", "columns_of", "run_frame", "usual"]
+__all__ = ["about_body", "columns_of", "usual"]
 
 SPACE = ("x", "y", "z")
 QUANTITIES = {
@@ -30,22 +30,16 @@ def usual(body: Any) -> tuple[str, ...]:
     return ("quaternion", "omega") if body.radius is None else ("quaternion", "omega", "contact")
 
 
-def about_body(body: Any, **more: Any) -> dict[str, Any]:
+def about_body(body: Any) -> dict[str, Any]:
     """A description of a motion of this body: numbers, strings and lists of numbers. Its entry "axes" has the principal
     axes, one after the other, in the axes of the tensor.
     """
     given = {"inertia": body.moments, "axes": np.ravel(body.axes.T)}
     given |= {name: x for name, x in (("mass", body.mass), ("radius", body.radius)) if x is not None}
-    return {**made_of(body, given), **more}
+    return made_of(body, given)
 
 
 def columns_of(dims: tuple[str, ...], run: Any, quantities: Iterable[str] | None) -> dict[str, Column]:
     """Quantities of one run or of many, along ``dims``."""
     names = checked(quantities, QUANTITIES)
     return columns(dims, {name: getattr(run, name) for name in names}, QUANTITIES)
-
-
-def run_frame(run: Any, quantities: Iterable[str] | None) -> Frame:
-    """The content of a file about a :class:`integrable.laboratory.motion.LaboratoryRun`, along the dimension "time"."""
-    time = Column(("time",), run.times, "s", "physical time t")
-    return Frame(("time",), {"time": time}, columns_of(("time",), run, quantities), about_body(run.motion.body))

@@ -141,9 +141,11 @@ class LaboratoryRun(Exported):
         return usual(self.motion.body)
 
     def _frame(self, quantities: Iterable[str]) -> Frame:
-        from integrable.laboratory.in_files import run_frame
+        from integrable.files.frame import Column, Frame
+        from integrable.laboratory.in_files import about_body, columns_of
 
-        return run_frame(self, quantities)
+        time = Column(("time",), self.times, "s", "physical time t")
+        return Frame(("time",), {"time": time}, columns_of(("time",), self, quantities), about_body(self.motion.body))
 
     def animate(self, path: File, fps: int = 25) -> None:
         """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or (with ffmpeg) .mp4.

@@ -110,7 +110,7 @@ def rotation(K: Any, orientation: Orientation) -> Matrix:
         raise ArgumentError(
             f"orientation = {shown(given)}: R Rᵀ differs from 1 by {float(off):.1e}, a rotation has orthonormal rows"
         )
-    if determinant(table) < 0:
+    if table[0] @ cross(table[1], table[2]) < 0:
         raise ArgumentError(f"orientation = {shown(given)} has determinant −1: a reflection is no rotation")
     # the polar factor is computed to all digits (Björck and Bowie 1971); each step squares the error
     while off > 8 * K.eps:
@@ -145,11 +145,6 @@ def matrix(K: Arithmetic, values: Any, argument: str, wanted: str, moments: bool
 
 def _row(row: Any, argument: str) -> Any:
     return row if isinstance(row, str) or not hasattr(row, "__iter__") else entries(row, argument)
-
-
-def determinant(table: Matrix) -> Any:
-    """The determinant of a 3×3 matrix."""
-    return table[0] @ cross(table[1], table[2])
 
 
 def cross(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -192,9 +192,9 @@ class SymmetricFlow:
         root0, root = N.sqrt(c0 * c0 + k2 * s0 * s0), N.sqrt(c * c + k2 * s * s)
         left, right = s * c0 * root0, s0 * c * root
         # sin ψ·(1 − m sin²θ sin²θ₀) = left − right; if left and right have the same sign, sin ψ = (sin²θ −
-        # sin²θ₀)/(left + right)
+        # sin²θ₀)/(left + right), and sin²θ − sin²θ₀ = sin(θ − θ₀) sin(θ + θ₀)
         alike = left * right > 0
-        sine = np.where(alike, -self._change_of_square(gap) / np.where(alike, left + right, 1), left - right)
+        sine = np.where(alike, N.sin(gap) * (s0 * c + c0 * s) / np.where(alike, left + right, 1), left - right)
         sine = np.where(alike, sine, sine / (c0 * c0 + s0 * s0 * (c * c + k2 * s * s)))
         small = (np.abs(sine) <= 0.5) & (c0 * c + s0 * s * root0 * root > 0)
         turned = turned.copy()
@@ -207,14 +207,14 @@ class SymmetricFlow:
         """
         if not self._kepler:
             return goal
-        N, (_, c0) = self.numbers, self._start_angle
+        N, (s0, c0) = self.numbers, self._start_angle
         for _ in range(PASSES):
             s, c = self._angle_at(gap)
             root0, root = (N.sqrt(1 + self._bulge * y * y) for y in (c0, c))
             # by the addition theorem G(cos θ) − G(cos θ₀), with G of :meth:`_lean`, is G of one argument
             alike = c0 * c > 0
             below = np.where(alike, c * root0 + c0 * root, 1)
-            difference = np.where(alike, self._change_of_square(gap) / below, c * root0 - c0 * root)
+            difference = np.where(alike, -N.sin(gap) * (s0 * c + c0 * s) / below, c * root0 - c0 * root)
             missed = gap - goal - 2 * N.pi * self._kepler * self._lean(difference)
             step = missed / (1 + 2 * N.pi * self._kepler * s / (self._root_mu * root))
             gap = gap - step
@@ -226,12 +226,6 @@ class SymmetricFlow:
         """sin θ and cos θ at θ₀ + gap."""
         (s0, c0), s, c = self._start_angle, self.numbers.sin(gap), self.numbers.cos(gap)
         return s0 * c + c0 * s, c0 * c - s0 * s
-
-    def _change_of_square(self, gap: np.ndarray) -> np.ndarray:
-        """cos²θ − cos²θ₀ for θ = θ₀ + ``gap``."""
-        s, c = self._angle_at(gap)
-        s0, c0 = self._start_angle
-        return -self.numbers.sin(gap) * (s0 * c + c0 * s)
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The phase θ = π·n + x at values of τ, as (n, x) like :meth:`_at_times`."""

@@ -7,7 +7,7 @@ compiled here; :mod:`integrable.oracles.gauss16` is the eight-stage method in co
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,8 +39,8 @@ def gauss_rule(stages: int, digits: int) -> GaussRule:
 
     context = mpmath.MPContext()
     context.dps = digits + 10 + stages
-    nodes = [_zero(context, context.mpf(float(x)), stages) for x in np.polynomial.legendre.leggauss(stages)[0]]
-    nodes = [(1 + x) / 2 for x in nodes]
+    polynomial, near = partial(context.legendre, stages), np.polynomial.legendre.leggauss(stages)[0].tolist()
+    nodes = [(1 + context.findroot(polynomial, context.mpf(x))) / 2 for x in near]
     # Lagrange polynomials are integrated as sums of monomials
     vandermonde = context.matrix([[x**k for x in nodes] for k in range(stages)])
     inverse = vandermonde**-1  # row j: coefficients of the j-th Lagrange polynomial
@@ -50,16 +50,6 @@ def gauss_rule(stages: int, digits: int) -> GaussRule:
 
     weights = [integral(j, context.one) for j in range(stages)]
     return GaussRule(nodes, weights, [[integral(j, c) for j in range(stages)] for c in nodes])
-
-
-def _zero(context: Any, x: Any, degree: int) -> Any:
-    """The zero of the Legendre polynomial near x, by Newton's method."""
-    for _ in range(context.prec.bit_length()):
-        below, value = context.one, x
-        for k in range(2, degree + 1):
-            below, value = value, ((2 * k - 1) * x * value - (k - 1) * below) / k
-        x -= value * (x * x - 1) / (degree * (x * value - below))
-    return x
 
 
 def collocation(rates: Callable[[Vector], Vector], number: Callable[[Any], Any], digits: int, stages: int) -> Advance:

@@ -60,14 +60,30 @@ class Kind:
         """A short hash of the equations."""
         return sha256(repr((self.size, self.rates, self.results)).encode()).hexdigest()[:12]
 
-    def coefficients_of(self, constants: Sequence[Any], number: Callable[[Any], Any] = float) -> list[Any]:
-        """The coefficients of the equations for a system's ``constants``, converted by ``number``."""
-        context = getattr(number, "context", None)
-        values = evaluated(self.coefficients, (), [number(x) for x in constants], number, context)
+    def coefficients_of(
+        self, constants: Sequence[Any], number: Callable[[Any], Any] = float, context: Any = None
+    ) -> list[Any]:
+        """The coefficients of the equations for a system's ``constants``, converted by ``number``; ``context`` is that
+        of :meth:`right_hand_side`.
+        """
+        values: list[Any] = []
+        for op, args in self.coefficients:
+            if op == "c":
+                values.append(number(constants[args[0]]))
+            elif op == "number":
+                whole = number(args[0].numerator)
+                values.append(whole if args[0].denominator == 1 else whole / number(args[0].denominator))
+            elif op == "neg":
+                values.append(-values[args[0]])
+            elif op in FUNCTIONS:
+                values.append(getattr(context or math, op)(values[args[0]]))
+            else:
+                values.append(_DO[op](*(values[i] for i in args)))
         return [values[i] for i in self.used]
 
     def right_hand_side(self, coefficients: Sequence[Any], context: Any = None) -> Callable[[Sequence[Any]], list[Any]]:
-        """The function y ↦ ẏ in the numbers of the coefficients, or in arrays of floats: plain Python without loops.
+        """The function y ↦ ẏ in the numbers of the coefficients, arrays of floats or symbols: plain Python without
+        loops.
 
         ``context`` provides ``exp`` and ``sqrt`` for these numbers: an mpmath context, or None for floats.
         """
@@ -108,29 +124,6 @@ def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
             right = (y if op == "y" else c).format(args[0])
         lines.append(f"v{k} = {right}")
     return lines
-
-
-def evaluated(
-    nodes: Iterable[Node], y: Sequence[Any], c: Sequence[Any], number: Callable[[Any], Any], context: Any = None
-) -> list[Any]:
-    """The values of all lines of a recorded formula for variables ``y`` and constants ``c`` of any type that overloads
-    the operators, such as symbolic expressions.
-    """
-    values: list[Any] = []
-    for op, args in nodes:
-        if op in ("y", "c"):
-            values.append((y if op == "y" else c)[args[0]])
-        elif op == "number":
-            whole = number(args[0].numerator)
-            values.append(whole if args[0].denominator == 1 else whole / number(args[0].denominator))
-        elif op == "neg":
-            values.append(-values[args[0]])
-        elif op in FUNCTIONS:
-            values.append(getattr(context or math, op)(values[args[0]]))
-        else:
-            left, right = (values[i] for i in args)
-            values.append(_DO[op](left, right))
-    return values
 
 
 _DO: dict[str, Callable[[Any, Any], Any]] = {

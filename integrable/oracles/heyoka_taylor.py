@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from integrable.oracles.body import Solution
-from integrable.oracles.expressions import Kind, evaluated
+from integrable.oracles.expressions import Kind
 from integrable.oracles.method import Built, Given, Method, Run, Started
 from integrable.oracles.stepping import by_sign
 
@@ -34,16 +34,15 @@ class Heyoka(Method):
 
         number: Callable[[Any], Any] = _long_double if self.guard else float
         real: Any = np.longdouble if self.guard else float
-        system = equations(kind, number)
         # compact_mode is off: code of this mode evaluates 1.3 to 2.4 times more slowly, and is built 1.3 to 1.8 times
         # faster (euler_top, neumann and garnier to T = 1 … 1000: python -m benchmarks heyoka)
         options = {"tol": number(setting), "fp_type": real, "time": number(0)}
-        integrator = heyoka.taylor_adaptive(system, np.zeros(kind.size, real), **options)
+        integrator = heyoka.taylor_adaptive(equations(kind), np.zeros(kind.size, real), **options)
         # the integrator, its arrays of state and parameters, and what heyoka returns for a run that reached its end
         shared = integrator, integrator.state, integrator.pars, heyoka.taylor_outcome.time_limit
 
         def of_system(given: Given) -> Started:
-            coefficients = np.array(kind.coefficients_of(given.constants, number), real)
+            coefficients = np.array(kind.coefficients_of(given.constants, number, np), real)
             # np.array converts to floats itself, but not to long doubles without loss
             exact = (lambda start: start) if number is float else (lambda start: [number(x) for x in start])
             return lambda start: _started(shared, coefficients, np.array(exact(start), real), number)
@@ -51,15 +50,13 @@ class Heyoka(Method):
         return of_system
 
 
-def equations(kind: Kind, number: Callable[[Any], Any] = float) -> list[tuple[Any, Any]]:
+def equations(kind: Kind) -> list[tuple[Any, Any]]:
     """The pair (variable, rate) of every component, as heyoka expressions."""
     import heyoka
 
     variables = heyoka.make_vars(*(f"y{i}" for i in range(kind.size)))
-    parameters = [heyoka.par[i] for i in range(len(kind.used))]
-    constant = lambda x: heyoka.expression(number(x))  # noqa: E731
-    values = evaluated(kind.rates, variables, parameters, constant, heyoka)
-    return [(x, values[i]) for x, i in zip(variables, kind.results, strict=True)]
+    rates = kind.right_hand_side([heyoka.par[i] for i in range(len(kind.used))], heyoka)
+    return list(zip(variables, rates(variables), strict=True))
 
 
 def _started(shared: tuple[Any, ...], coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:

@@ -18,6 +18,7 @@ import numpy as np
 from integrable.extras import needed
 from integrable.oracles.body import Body, Solution, Start, body_equations, is_body
 from integrable.oracles.method import problem_of
+from integrable.oracles.stepping import by_sign
 from jacobian.errors import ArgumentError
 
 __all__ = [
@@ -38,7 +39,7 @@ __all__ = [
 def equations(system: Any, state: Any) -> Callable[[Sequence[Any]], list[Any]]:
     """The function y ↦ ẏ of any system of this package, in the system's number type; y is as long as ``state``."""
     kind, given, _ = problem_of(system, state)
-    return kind.right_hand_side(kind.coefficients_of(given.constants, given.number), given.context)
+    return kind.right_hand_side(kind.coefficients_of(given.constants, given.number, given.context), given.context)
 
 
 def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Any], list[float]]:
@@ -70,25 +71,17 @@ def integrated(
     needed("scipy", f"SciPy's {method}")
     from scipy.integrate import solve_ivp
 
-    wanted = np.asarray([float(time) for time in times])
-    rows = np.empty((len(wanted), len(start)))
-    evaluations = 0
-    for sign in (1.0, -1.0):
-        mask = wanted * sign > 0
-        if not mask.any():
-            continue
-        knots, back = np.unique(sign * wanted[mask], return_inverse=True)
+    def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+        knots, back = np.unique(distances, return_inverse=True)
         span = (0.0, sign * knots[-1])
         solution = solve_ivp(rates, span, start, method=method, t_eval=sign * knots, rtol=rtol, atol=atol)
         if not solution.success:
             raise RuntimeError(
                 f"{method} stopped at t = {solution.t[-1] if len(solution.t) else 0.0}: {solution.message}"
             )
-        rows[mask] = solution.y.T[back]
-        evaluations += int(solution.nfev)
-    rows[wanted == 0] = start
-    half = len(start) // 2
-    return Solution(rows[:, :half], rows[:, half:], evaluations)
+        return solution.y.T[back], int(solution.nfev)
+
+    return by_sign(np.array(start), np.array([float(time) for time in times]), reach)
 
 
 def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:

@@ -23,7 +23,7 @@ class Collocation(Method):
 
     def build(self, kind: Kind, setting: Any) -> Built:
         def advance(given: Given) -> Advance:
-            coefficients = kind.coefficients_of(given.constants, given.number)
+            coefficients = kind.coefficients_of(given.constants, given.number, given.context)
             rates = kind.right_hand_side(coefficients, given.context)
             return collocation(rates, given.number, getattr(given.context, "dps", 0), self.stages)
 

@@ -78,11 +78,8 @@ class UnitMotion:
     def scales(self, system: Any) -> Scales:
         if self.unit is None:
             return Scales(1, 1, 1)
-        context = getattr(system.field, "context", None)
-        if context is None:
-            return Scales(*(float(self.square) ** (power / 2) for power in self.unit[:3]))
-        square = context.mpf(self.square.numerator) / self.square.denominator
-        return Scales(*(square ** (context.mpf(power) / 2) for power in self.unit[:3]))
+        square = system.field.coerce(self.square)
+        return Scales(*(square ** (power / 2) for power in self.unit[:3]))
 
     def start(self, digits: int) -> tuple[Any, State]:
         """The system and its start, scaled to unit length."""
@@ -146,10 +143,10 @@ class UnitMotion:
             size = (reals.number(square.numerator) / reals.number(square.denominator)).sqrt()
             for first, second in zip(*halves, strict=True):
                 balls = [*(x * size for x in first), *second] if square != 1 else [*first, *second]
-                rows.append([_number(K.context, x.mid()) for x in balls])
+                rows.append([*reals.elements(K, balls)])
                 # the midpoint is rounded, so a bound of its rounding error is added to the radius
                 pairs = zip(balls, rows[-1], strict=True)
-                radii.append([_number(K.context, x.rad()) + 4 * abs(y) * K.context.eps for x, y in pairs])
+                radii.append([reals.element(K, x.rad()) + 4 * abs(y) * K.context.eps for x, y in pairs])
         return rows, radii
 
     def another(self, rng: np.random.Generator) -> list[float]:
@@ -164,12 +161,6 @@ class UnitMotion:
             push = [n[i - 2] * push[i - 1] - n[i - 1] * push[i - 2] for i in range(3)]
         length = (unit.square(self.weights, raw) / self.square) ** -0.5
         return [*_scaled(raw, float(length)), *_scaled(push, hypot(*p) / (hypot(*push) or 1.0))]
-
-
-def _number(context: Any, x: Any) -> Any:
-    """The centre of a ball of flint as an mpmath number."""
-    mantissa, exponent = x.man_exp()
-    return context.ldexp(context.mpf(int(mantissa)), int(exponent))
 
 
 def _scaled(values: Sequence[int], factor: float) -> list[float]:

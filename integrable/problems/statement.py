@@ -27,7 +27,6 @@ STEP = 1e-200
 """The step h of complex differences Im f(x + ih)/h, which have no cancellation: if h² is 0 in doubles, they are right
 to rounding.
 """
-CONDITION_DIGITS = (FLOAT_DIGITS, 30)
 UNIT_ROUNDING = 2.0**-52
 
 
@@ -48,8 +47,8 @@ class Problem:
     """The initial value problem y' = f(y), y(0) = ``y0``. ``problem(name)`` makes one.
 
     ``y0`` and the constants of f are doubles, which are exact by definition. The first half of y is γ or q, the second
-    half M or p; ``letters`` names them. ``times`` are those of the scene; ``reference`` cites a description of the
-    motion.
+    half M or p; ``letters`` names them. ``system`` is the system of the package, in floats. ``times`` are those of the
+    scene; ``reference`` cites a description of the motion.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -67,14 +66,10 @@ class Problem:
         self.y0.flags.writeable = False
         self.times = tuple(self.scene.times.floats())
         self.motion = UnitMotion(self.scene)
+        self.system: Any = self.motion.in_floats
 
     def __repr__(self) -> str:
         return f"problem({self.name!r})"
-
-    @property
-    def system(self) -> Any:
-        """The system of the package, in floats."""
-        return self.motion.in_floats
 
     # --- the equations
 
@@ -100,10 +95,9 @@ class Problem:
 
         ``numbers`` has the methods of :class:`integrable.problems.arrays.Arrays`.
         """
-        system = self.motion.in_floats
         if self.scene.classical:
-            return list(system.rates_in(numbers, y))
-        return body_equations([numbers.coerce(x) for x in system.inertia], numbers.coerce(system.d))(y)
+            return list(self.system.rates_in(numbers, y))
+        return body_equations([numbers.coerce(x) for x in self.system.inertia], numbers.coerce(self.system.d))(y)
 
     def invariants(self, y: Sequence[Number] | np.ndarray) -> np.ndarray:
         """The integrals of the motion at states of shape (…, n): shape (…, k), named by ``invariant_names``."""
@@ -118,7 +112,7 @@ class Problem:
         """The left sides of the constraints, such as |q|², and the integrals of the motion scaled to |q| = 1."""
         half, found = len(y) // 2, dict[str, Any]()
         q, p = y[:half], y[half:]
-        unit, system = self.motion.unit, self.motion.in_floats
+        unit, system = self.motion.unit, self.system
         if unit is not None:
             weights = [float(x) for x in self.motion.weights]
             q_name, p_name = self.letters
@@ -150,18 +144,16 @@ class Problem:
         given = _times(t)
         return np.array([self._condition(time) for time in given.ravel().tolist()]).reshape(given.shape)
 
-    def _condition(self, time: float) -> float:
+    def _condition(self, time: float, digits: int = FLOAT_DIGITS) -> float:
         from integrable.motion.conditioning import conditioning
 
-        for digits in CONDITION_DIGITS:
-            try:
-                system, state = self.motion.start(digits)
-                found = conditioning(system, state, [system.field.coerce(time) * self.motion.scales(system).time])
-            except (JacobianError, ArithmeticError):
-                if digits == CONDITION_DIGITS[-1]:
-                    raise
-                continue
-            break
+        try:
+            system, state = self.motion.start(digits)
+            found = conditioning(system, state, [system.field.coerce(time) * self.motion.scales(system).time])
+        except (JacobianError, ArithmeticError):
+            if digits > FLOAT_DIGITS:
+                raise
+            return self._condition(time, 30)
         return max(found.gamma, found.M)
 
     def error(self, y: Sequence[Number] | np.ndarray, truth: Truth) -> np.ndarray:

@@ -10,7 +10,9 @@ from integrable.scene.looks import LOOKS, look
 from integrable.scene.tables import duration, figure
 
 if TYPE_CHECKING:
-    from integrable.races.records import Course, Results, Run
+    from collections.abc import Iterable
+
+    from integrable.races.records import Course, Run
 
 __all__ = ["diagram", "page"]
 
@@ -59,18 +61,16 @@ class Axis(NamedTuple):
         return list(range(self.low, self.high + 1, stride))
 
 
-def page(race: Results) -> str:
-    """The HTML of the page that shows a race."""
-    where = ", ".join(f"{name} {version}" for name, version in race.versions.items() if version)
-    machine = f"{race.machine.get('processor') or race.machine['system']}, {race.machine['cores']} cores"
+def page(courses: Iterable[Course], note: str) -> str:
+    """The HTML of the page that shows a race, with a note below its courses."""
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>Error against run time</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
         "<h1>Error against run time</h1>\n"
         f"<p>{_WORDS}</p>\n"
-        + "\n".join(map(_section, race.courses))
-        + f'\n<p class="note">{escape(race.date)}; {escape(machine)}; {escape(where)}.</p>\n</body>\n</html>\n'
+        + "\n".join(map(_section, courses))
+        + f'\n<p class="note">{escape(note)}</p>\n</body>\n</html>\n'
     )
 
 

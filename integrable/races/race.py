@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -23,7 +24,7 @@ from integrable.problems import Problem, Truth, problem
 from integrable.problems.statement import UNIT_ROUNDING
 from integrable.races.entrants import RIVALS, TOLERANCES, Entrant, Solve, entrants
 from integrable.races.page import page
-from integrable.races.records import Course, Results, Run
+from integrable.races.records import Course, Run
 from integrable.scene.output import OutputFolder, machine, versions
 from integrable.scene.tables import duration
 from integrable.study.timing import Tick, TooLong, at_most, interleaved, silent
@@ -45,15 +46,37 @@ REPEAT, PATIENCE = 3, 0.4
 """The number of runs at each setting, and the seconds per method of a rung after which no more runs are begun."""
 
 
-class Race(Results):
-    """The results of a race, with a method that writes them to a folder."""
+@dataclass(frozen=True)
+class Race:
+    """The courses of a race, and the machine and date of their runs."""
+
+    courses: tuple[Course, ...]
+    date: str
+    machine: dict[str, Any]
+    versions: dict[str, str | None]
+
+    def table(self) -> str:
+        """The tables of all courses as text."""
+        return "\n\n\n".join(course.table() for course in self.courses)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        found = asdict(self)
+        for course, own in zip(found["courses"], self.courses, strict=True):
+            course["runs"] = [run._asdict() for run in own.runs]
+        return {"schema": 1, **found}
 
     def write(self, out: str | Path) -> list[Path]:
         """Writes ``race.json``, ``race.txt`` and ``race.html`` to the folder ``out``, and returns their paths."""
         with OutputFolder(out) as folder:
             text = json.dumps(self.as_dict(), ensure_ascii=False, allow_nan=False, indent=1)
-            contents = {"race.json": text + "\n", "race.txt": self.table() + "\n", "race.html": page(self)}
+            contents = {"race.json": text + "\n", "race.txt": self.table() + "\n", "race.html": self._page()}
             return [folder.write_text(name, content) for name, content in contents.items()]
+
+    def _page(self) -> str:
+        used = ", ".join(f"{name} {version}" for name, version in self.versions.items() if version)
+        machine = f"{self.machine.get('processor') or self.machine['system']}, {self.machine['cores']} cores"
+        return page(self.courses, f"{self.date}; {machine}; {used}.")
 
 
 def race(

@@ -1,13 +1,13 @@
-"""The results of a race: its runs grouped into courses, one per problem, with conversions to text and plain data."""
+"""The runs of a race, grouped into courses, one per problem, and the table of a course."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from integrable.scene.tables import aligned, duration, figure
 
-__all__ = ["Course", "Results", "Run"]
+__all__ = ["Course", "Run"]
 
 
 class Run(NamedTuple):
@@ -65,24 +65,3 @@ class Course:
             f"The truth is known to {figure(self.radius)}; rounding the inputs to doubles alone: {figure(self.floor)}.",
         ]
         return "\n".join(lines)
-
-
-@dataclass(frozen=True)
-class Results:
-    """The courses of a race, and the machine and date of their runs."""
-
-    courses: tuple[Course, ...]
-    date: str
-    machine: dict[str, Any]
-    versions: dict[str, str | None]
-
-    def table(self) -> str:
-        """The tables of all courses as text."""
-        return "\n\n\n".join(course.table() for course in self.courses)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON."""
-        found = asdict(self)
-        for course, own in zip(found["courses"], self.courses, strict=True):
-            course["runs"] = [run._asdict() for run in own.runs]
-        return {"schema": 1, **found}

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -79,7 +80,10 @@ class Times:
             return [float(time) for time in self.given]
         steps = max(self.count - 1, 1)
         if self.spacing == "linear":
-            return [float(self.first + (self.until - self.first) * k / steps) for k in range(self.count)]
+            # each time is a quotient of two integers, which is rounded only once
+            below = self.first.denominator * self.until.denominator
+            begin, end = int(self.first * below), int(self.until * below)
+            return [(begin * steps + (end - begin) * k) / (below * steps) for k in range(self.count)]
         ratio, first = float(self.until / self.first), float(self.first)
         return [*(first * ratio ** (k / steps) for k in range(self.count - 1)), float(self.until)]
 
@@ -87,9 +91,7 @@ class Times:
         """The times as numbers of a run at ``digits`` digits."""
         if digits <= FLOAT_DIGITS:
             return self.floats()
-        exact = self.given or [Fraction(time) for time in self.floats()]
-        number = _numbers(digits)
-        return [number(time) for time in exact]
+        return list(map(_numbers(digits), self.given or map(Fraction, self.floats())))
 
 
 @dataclass(frozen=True)
@@ -227,12 +229,9 @@ class Scene:
         is no map.
         """
         assert self.steps is not None, "the scene has no [steps]"
-        result = None
         with self._placed("[steps] maps:"):
-            for one in self.steps.maps:
-                step = one.of(system, self._numbers(digits))
-                result = step if result is None else step @ result
-        return result
+            steps = [one.of(system, self._numbers(digits)) for one in self.steps.maps]
+            return reduce(lambda first, second: second @ first, steps)
 
     def _field(self, digits: int) -> Any:
         from jacobian import MP, RR
@@ -314,10 +313,7 @@ def _numbers(digits: int) -> Callable[[Fraction], Any]:
     """The function that converts fractions to the numbers of a run at ``digits`` digits."""
     from jacobian import MP
 
-    if digits <= FLOAT_DIGITS:
-        return float
-    context = MP(digits).context
-    return lambda value: context.mpf(value.numerator) / context.mpf(value.denominator)
+    return float if digits <= FLOAT_DIGITS else MP(digits).coerce
 
 
 def _plain(value: Any) -> Any:

@@ -149,7 +149,10 @@ def _read_orbit(top: Table, plain: bool) -> dict[str, Any]:
     field = top.text("field", "")
     exact = "field" in top
     if exact:
-        top.within("field", lambda: finite_field(field))
+        try:
+            finite_field(field)
+        except ArgumentError as error:
+            top.fail("field", str(error).removeprefix("field: "))
     table = _section(top, "steps", _STEPS[:3] if exact else _STEPS)
     digits, truth_digits = ((), 0) if exact else _read_costs(table, least=1)
     count = table.integer("count", 1)
@@ -159,7 +162,7 @@ def _read_orbit(top: Table, plain: bool) -> dict[str, Any]:
         _read_map(one, _MAPS if plain else _CURVE_MAPS) for one in table.tables("maps", ("kind", *_EVERY_ARGUMENT))
     )
     output = _section(top, "output", ("pictures",))
-    pictures = output.choices("pictures", _ORBIT_PICTURES, ())
+    pictures = output.choices("pictures", _ORBIT_PICTURES)
     if exact and pictures:
         output.fail("pictures", f'"{pictures[0]}" given; points over a finite field have no place in a picture')
     return {
@@ -273,13 +276,13 @@ def _read_comparison(table: Table) -> Comparison:
     check_time = table.number("check_time", Fraction(1))
     if not 0 < check_time <= 100:
         table.fail("check_time", f"{float(check_time)} given; a time above 0, not above 100, is needed")
-    repeat, steps = table.integer("repeat", 1, 3), table.integers("steps", 1, ())
+    repeat, steps = table.integer("repeat", 1, 3), table.integers("steps", ())
     return Comparison(digits, tolerances, truth_digits, check_time, repeat, steps)
 
 
 def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
     """The digits of each measured run, for at least ``least`` runs, and the digits of their truth."""
-    digits = table.integers("digits", 1, (FLOAT_DIGITS,))
+    digits = table.integers("digits", (FLOAT_DIGITS,))
     if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(digits) < least:
         table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")
     truth_digits = table.integer("truth_digits", 1, max((40, *(n + 15 for n in digits))))
@@ -293,7 +296,7 @@ def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
 def _read_output(
     table: Table, report: Comparison | None, known: tuple[str, ...]
 ) -> tuple[tuple[str, ...], Times | None]:
-    pictures = table.choices("pictures", known, ())
+    pictures = table.choices("pictures", known)
     for picture in pictures:
         if picture in _OF_THE_REPORT and report is None:
             table.fail("pictures", f'"{picture}" given, which shows the report; a [report] table is needed')

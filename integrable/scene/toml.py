@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -56,21 +56,14 @@ class Table:
         """Raise ArgumentError with the place and the key in front of ``why``."""
         raise ArgumentError(f"{self.place} {key}: {why}")
 
-    def within(self, key: str, check: Callable[[], Any]) -> None:
-        """Run ``check``; its ArgumentError is prefixed with the place and the key."""
-        try:
-            check()
-        except ArgumentError as error:
-            self.fail(key, str(error).removeprefix(f"{key}: "))
-
     def _get(self, key: str, default: Any, needed: str) -> Any:
         if default is _MISSING and key not in self.content:
             self.fail(key, f"missing; {needed} is needed")
         return self.content.get(key, default)
 
-    def text(self, key: str, default: str = _MISSING) -> str:
-        """The string under ``key``."""
-        value = self._get(key, default, "a string")
+    def text(self, key: str, default: str) -> str:
+        """The string under ``key``, ``default`` if the key is missing."""
+        value = self.content.get(key, default)
         return value if isinstance(value, str) else self.fail(key, f"{_shown(value)} given; a string is needed")
 
     def flag(self, key: str) -> bool:
@@ -84,19 +77,17 @@ class Table:
         value = self._get(key, default, "one of " + ", ".join(choices))
         return value if value in choices else self._unknown(key, value, choices)
 
-    def choices(self, key: str, choices: Iterable[str], default: tuple[str, ...] = _MISSING) -> tuple[str, ...]:
-        """The different strings in the list under ``key``, each one of ``choices``."""
-        value = self._get(key, default, "a list")
-        chosen = self._list(key, value)
-        choices = list(choices)
+    def choices(self, key: str, choices: Sequence[str]) -> tuple[str, ...]:
+        """The different strings in the list under ``key``, each one of ``choices``; () if the key is missing."""
+        chosen = self._list(key, self.content.get(key, []))
         for item in chosen:
             if item not in choices:
                 self._unknown(key, item, choices)
         if len(set(chosen)) != len(chosen):
-            self.fail(key, f"{_shown(value)} given; an entry is repeated")
+            self.fail(key, f"{_shown(chosen)} given; an entry is repeated")
         return tuple(chosen)
 
-    def _unknown(self, key: str, value: Any, choices: list[str]) -> Any:
+    def _unknown(self, key: str, value: Any, choices: Iterable[str]) -> Any:
         given = _shown(value)
         near = suggestion(given.strip('"'), choices)
         return self.fail(key, f"{given} given; {near}")
@@ -113,10 +104,9 @@ class Table:
             self.fail(key, f"{_shown(chosen)} given; a list of signs 1 and -1 is needed")
         return tuple(int(item) for item in chosen)
 
-    def integers(self, key: str, least: int, default: tuple[int, ...] = _MISSING) -> tuple[int, ...]:
-        """The list under ``key`` of integers not below ``least``."""
-        value = self._get(key, default, f"a list of integers ≥ {least}")
-        return tuple(self._integer(key, item, least) for item in self._list(key, value))
+    def integers(self, key: str, default: tuple[int, ...]) -> tuple[int, ...]:
+        """The list under ``key`` of positive integers, ``default`` if the key is missing."""
+        return tuple(self._integer(key, item, 1) for item in self._list(key, self.content.get(key, default)))
 
     def number(self, key: str, default: Fraction = _MISSING) -> Fraction:
         """The finite number under ``key``."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from datetime import datetime
 from math import inf
 from numbers import Real
@@ -22,6 +22,7 @@ from integrable.study.page import answer, page
 from integrable.study.plan import NOT_MEASURED, Task, first_answer_tasks, in_order, tasks_of
 from integrable.study.runner import ONE_RUN, run_tasks
 from integrable.study.store import Store
+from integrable.study.timing import silent
 from jacobian.errors import ArgumentError, shown
 from jacobian.native.kept import look_for_a_place
 
@@ -65,7 +66,7 @@ def study_of(
     formats, progress = formats if "matplotlib" not in missing else (), progress and "tqdm" not in missing
     look_for_a_place()
     store = Store(out)
-    with _bar(progress, rows) as tick:
+    with _bar(rows) if progress else nullcontext(silent) as tick:
         contents = run_tasks(rows, store, jobs or os.cpu_count() or 1, tick, 60 * minutes if minutes else inf)
     data = report_data([contents[row.key] for row in rows], chosen, quick, minutes)
     study = study_from(data, scenes)
@@ -157,11 +158,8 @@ def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ..
 
 
 @contextmanager
-def _bar(progress: bool, rows: Sequence[Task]) -> Iterator[Callable[[Task], None]]:
-    """Yields a function to call with each finished row; it moves a bar on stderr, if any."""
-    if not progress:
-        yield lambda _row: None
-        return
+def _bar(rows: Sequence[Task]) -> Iterator[Callable[[Task], None]]:
+    """Yields a function to call with each finished row; it moves a bar on stderr."""
     from tqdm import tqdm
 
     layout = "{l_bar}{bar:20}| {n_fmt}/{total_fmt} [{elapsed}<{remaining}]"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from textwrap import wrap
 from typing import Any
@@ -14,7 +13,7 @@ from integrable.scene.looks import BLUE, INK, ORANGE
 from integrable.scene.tables import plain_power
 from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
 from integrable.study.plan import FLOW, INTEGRATED
-from integrable.study.plot import FAINT, FLOOR, STYLE, WIDTH, decades, look_of, new_figure
+from integrable.study.plot import FAINT, FLOOR, STYLE, WIDTH, as_bytes, decades, look_of, new_figure
 
 __all__ = ["as_bytes", "drawings", "error_against_run_time", "floors"]
 
@@ -25,14 +24,6 @@ TITLE = 48
 """Characters in a line of a title: more would reach the legend beside the axes."""
 RING = 1.5
 """The mark of compiled floats, a ring, is larger than a dot by this factor, so both are visible at one place."""
-
-
-def as_bytes(figure: Any, suffix: str) -> bytes:
-    """The bytes of a file that shows the figure; ``suffix`` is the file's format."""
-    content = io.BytesIO()
-    with rc_context(STYLE):
-        figure.savefig(content, format=suffix, dpi=160, metadata={"Date": None} if suffix == "svg" else None)
-    return content.getvalue()
 
 
 def drawings(findings: Sequence[SceneFindings]) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
@@ -15,7 +14,7 @@ from integrable.oracles.methods import METHODS
 __all__ = ["first_answer"]
 
 _START = """
-import json, sys
+import sys
 from time import perf_counter
 from integrable.scene.file import load_scene
 scene = load_scene(sys.argv[1])
@@ -33,13 +32,13 @@ def once():
     return method.solve(system, state, times, method.ladder(system, state)[-2])
 """
 _TWICE = """
-first = perf_counter(); once(); second = perf_counter(); once(); last = perf_counter()
-print(json.dumps({"first": second - first, "second": last - second}))
+once(); begun = perf_counter(); once()
+print(perf_counter() - begun)
 """
 
 
-def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str, Any]]:
-    """The seconds that ``code`` takes in a new Python process, the start of Python included, and the data it prints."""
+def _python(code: str, source: str, **environment: str) -> tuple[float, float]:
+    """The seconds that ``code`` takes in a new Python process, the start of Python included, and those it prints."""
     begun = perf_counter()
     done = subprocess.run(
         [sys.executable, "-c", code, source],
@@ -50,7 +49,7 @@ def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str
     )
     if done.returncode:
         raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else "the process has failed")
-    return perf_counter() - begun, json.loads(done.stdout.splitlines()[-1])
+    return perf_counter() - begun, float(done.stdout.splitlines()[-1])
 
 
 def first_answer(source: str, method: str) -> dict[str, Any]:
@@ -64,5 +63,5 @@ def first_answer(source: str, method: str) -> dict[str, Any]:
         # heyoka also caches compiled code on disk
         kept = {"NUMBA_CACHE_DIR": cache, "HEYOKA_CACHE_DIR": cache}
         cold, _ = _python(code, source, **kept)
-        warm, found = _python(code, source, **kept)
-    return {"cold": cold, "disk": warm, "process": found["second"]}
+        warm, again = _python(code, source, **kept)
+    return {"cold": cold, "disk": warm, "process": again}

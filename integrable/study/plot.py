@@ -79,9 +79,14 @@ def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> by
             raise ArgumentError(f'pictures: "{picture}" given, which shows the report; there is none')
         else:
             figure = _OF_THE_REPORT[picture](report)
-        content = io.BytesIO()
-        metadata = {"Date": None} if suffix == "svg" else None
-        figure.savefig(content, format=suffix, dpi=200, metadata=metadata)
+        return as_bytes(figure, suffix, 200)
+
+
+def as_bytes(figure: Figure, suffix: str, dpi: int = 160) -> bytes:
+    """The bytes of a file that shows the figure; ``suffix`` is the file's format."""
+    content = io.BytesIO()
+    with rc_context(STYLE):
+        figure.savefig(content, format=suffix, dpi=dpi, metadata={"Date": None} if suffix == "svg" else None)
     return content.getvalue()
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.scene.progress import bar_of_pieces
-from integrable.study.timing import NOBODY, Watch, silent
+from integrable.study.timing import NOBODY, Tick, Watch, silent
 from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import replaced
 
@@ -91,7 +91,7 @@ def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
     return {module: what for module, what in uses.items() if what}
 
 
-def _compute(scene: Scene, digits: int, tick: Callable[[str], None], watch: Watch = NOBODY) -> Trajectory:
+def _compute(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> Trajectory:
     if scene.report is not None:
         from integrable.study.motions import measure
 
@@ -108,12 +108,10 @@ def _compute(scene: Scene, digits: int, tick: Callable[[str], None], watch: Watc
     return trajectory
 
 
-@contextmanager
-def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str], None]]:
+def _ticks(progress: bool, scene: Scene, digits: int) -> AbstractContextManager[Tick]:
     """Yields a function to call with the name of each piece of work before it starts; it moves a bar, if any."""
     if not progress:
-        yield lambda _label: None
-        return
+        return nullcontext(silent)
     total = 1
     if scene.report is not None:
         from integrable.study.motions import pieces_of_work
@@ -123,8 +121,7 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
         from integrable.study.orbits import pieces_of_orbit
 
         total = pieces_of_orbit(scene, digits)
-    with bar_of_pieces(scene.name, total) as tick:
-        yield tick
+    return bar_of_pieces(scene.name, total)
 
 
 class _Files:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.scene.data import Scene
+from integrable.scene.data import Scene, Times
 from integrable.scene.toml import exact_number, suggestion
 from jacobian.errors import ArgumentError, entries, shortened, shown
 
@@ -125,13 +125,6 @@ def _parsed(name: str, text: str) -> list[float]:
         first, last, count = exact_number(parts[0]), exact_number(parts[1]), int(parts[2])
         if len(parts) != 3 or not 1 <= count <= MOST_VALUES or (log and not first * last > 0):
             raise ValueError
-        ratio = float(last / first) if log else 0.0
+        return Times(first=first, until=last, count=count, spacing="log" if log else "linear").floats()
     except (ValueError, IndexError, OverflowError):
         raise ArgumentError(f"vary: {name}={shortened(text)}: {WANTED}, is needed") from None
-    steps = max(1, count - 1)
-    if log:
-        return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]
-    # each value is a quotient of two integers, which is rounded only once
-    below = first.denominator * last.denominator
-    begin, end = int(first * below), int(last * below)
-    return [(begin * steps + (end - begin) * k) / (below * steps) for k in range(count)]

@@ -30,8 +30,8 @@ from jacobian.errors import ArgumentError, shown
 
 __all__ = ["SUFFIXES", "Layout", "Store"]
 
-SUFFIXES = {".zarr": ("zarr",), ".h5": ("h5py",)}
-"""The formats, and the libraries of the extra ``io`` that they need."""
+SUFFIXES = {".zarr": "zarr", ".h5": "h5py"}
+"""The formats, and the library of the extra ``io`` that each needs."""
 JOURNAL, STATES = "journal", "states.zarr"
 OWN = {"lock", STATES}
 """The files that a sweep makes in its folder before the journal."""
@@ -74,8 +74,7 @@ class Store:
         self.path = target_of(out, f"the path of a file that ends with {known}", "out")
         if self.path.suffix not in SUFFIXES:
             raise ArgumentError(f"out = {shown(str(out))}: a name that ends with {known} is needed")
-        for module in SUFFIXES[self.path.suffix]:
-            needed(module, f"a {self.path.suffix} file", "io")
+        needed(SUFFIXES[self.path.suffix], f"a {self.path.suffix} file", "io")
         self.layout, self.folder = layout, self.path.with_name(f"{self.path.name}.part")
         self.done: set[int] = set()
         self.reasons: list[str] = [""]
@@ -104,14 +103,11 @@ class Store:
                 else:
                     self._begin()
             except BaseException:
-                self._leave()
+                self.__exit__()
                 raise
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._leave()
-
-    def _leave(self) -> None:
         """Releases the folder, and removes it if it holds nothing from which a sweep could resume."""
         self._lock.release()
         if self._own and not self.done:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -96,18 +96,15 @@ def sweep(
     source = _source(what, vary, times)
     if not isinstance(executor, Executor):
         executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
-    chunk = source.usual_chunk if chunk is None else whole(chunk, "chunk", "an int ≥ 1 is needed", 1)
-    # a chunk has at most all members, so that all larger values of ``chunk`` give the same layout
-    chunk = min(chunk, max(1, source.count))
+    layout = source.layout(chunk)
     bar = flag(progress, "progress") and not without({"tqdm": "the progress bar"})
-    store, count = Store(out, source.layout(chunk)), source.count
-    if store.complete:
-        return Swept(store.path, count, store.refused)
-    with store, _pool(executor, store.layout.chunks - len(store.done)) as (pool, workers):
-        with _bar(bar, source.name, store) as tick:
-            _fill(source, store, pool, workers, tick)
-        store.finish()
-    return Swept(store.path, count, store.refused)
+    store = Store(out, layout)
+    if not store.complete:
+        with store, _pool(executor, layout.chunks - len(store.done)) as (pool, workers):
+            with _bar(source.name, store) if bar else nullcontext(lambda _count: None) as tick:
+                _fill(source, store, pool, workers, tick)
+            store.finish()
+    return Swept(store.path, source.count, store.refused)
 
 
 @dataclass(frozen=True)
@@ -122,13 +119,12 @@ class _Source:
     members: Callable[[int, int], Starts[Any, Any]]
     contents: Contents
 
-    @property
-    def usual_chunk(self) -> int:
-        """The default number of members of a chunk."""
-        return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-self.count // 4)))
-
-    def layout(self, chunk: int) -> Layout:
-        """The layout of the file, with ``chunk`` members in each chunk."""
+    def layout(self, chunk: int | None) -> Layout:
+        """The layout of the file, with ``chunk`` members in each chunk; None: a number that suits members and times."""
+        if chunk is None:
+            chunk = max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-self.count // 4)))
+        # a chunk has at most all members, so that all larger values of ``chunk`` give the same layout
+        chunk = min(whole(chunk, "chunk", "an int ≥ 1 is needed", 1), max(1, self.count))
         contents = self.contents
         arrays = {"times": self.times, **{name: column.values for name, column in contents.parameters.items()}}
         known = {name: [array.shape, _digest(array.tobytes())] for name, array in arrays.items()}
@@ -180,7 +176,7 @@ def _of_scene(scene: Scene, vary: Any) -> _Source:
     text, shape = json.dumps(said, ensure_ascii=False), list(grid.shape) or [1]
     attributes = about(system, scene=text, tilted=int(scene.tilted), grid=shape)
     identity = {key: said[key] for key in said if key not in left_out}
-    contents = Contents(STATES, parameters, attributes, identity, OF_BODIES.words)
+    contents = Contents(STATES, parameters, attributes, identity, OF_BODIES)
     return _Source(scene.name, np.array(scene.times.floats()), len(grid), members, contents)
 
 
@@ -241,11 +237,8 @@ def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int
 
 
 @contextmanager
-def _bar(progress: bool, name: str, store: Store) -> Iterator[Any]:
+def _bar(name: str, store: Store) -> Iterator[Any]:
     """Yields a function to call with the number of finished members. It moves a bar that shows the remaining time."""
-    if not progress:
-        yield lambda _count: None
-        return
     from tqdm import tqdm
 
     had = sum(end - begin for begin, end in map(store.layout.ends, store.done))

@@ -312,3 +312,12 @@ def test_a_reason_is_given_once(here, monkeypatch):
     two = replace(given, report=replace(given.report, tolerances=(Fraction("1e-4"), Fraction("1e-6"))))
     lines = measure(two, 20, lambda _label: None)[0].table().splitlines()
     assert lines.count("SciPy DOP853, tol 1e-4, tol 1e-6: not run: SciPy is not installed") == 1
+
+
+@SAID
+def test_a_race_without_a_progress_bar(here, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "tqdm", None)
+    assert main(["race", "--problem", "t_handle", "--rival", "implicit midpoint", "--limit", "0.01", "--progress"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err.startswith("integrable: warning: not installed, so left out: the progress bar (tqdm); pip")
+    assert "divisor flow" in captured.out

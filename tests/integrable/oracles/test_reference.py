@@ -10,7 +10,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from integrable.oracles.reference import dop853, right_hand_side, taylor
+from integrable.oracles.reference import dop853, equations, right_hand_side, taylor
+from integrable.phase.state import State
+from jacobian import MP
 from jacobian.errors import ArgumentError
 
 SCENES = json.loads((Path(__file__).parents[2] / "data" / "trajectories.json").read_text(encoding="utf-8"))["scenes"]
@@ -126,3 +128,20 @@ def test_right_hand_side_is_the_equation_of_motion():
     assert np.allclose(
         right_hand_side(inertia, 0.0)(0.0, np.concatenate([gamma, M]))[3:], np.cross(M, M / inertia), atol=1e-14
     )
+
+
+class Spring:
+    """q̈ = −√2 q: a root of a constant is a coefficient of the equations."""
+
+    def __init__(self, field):
+        self.field, self.stiffness = field, field.coerce(2)
+
+    def rates_in(self, numbers, y):
+        q, p = y
+        return [p, -numbers.sqrt(numbers.coerce(self.stiffness)) * q]
+
+
+def test_roots_of_constants_have_all_digits():
+    K = MP(40)
+    rates = equations(Spring(K), State((K.one,), (K.zero,)))([K.one, K.zero])
+    assert rates == [0, -K.sqrt(K.coerce(2))]
