@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from integrable.mumford.flow import RIGHT, element
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
-from integrable.mumford.system import Spectral, elements
+from integrable.mumford.system import Spectral
+from integrable.phase.body import elements
 from integrable.phase.enclosure import Precisions, ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
@@ -69,12 +70,11 @@ class KdV(Made):
         if not self.field.exact:
             long_digits(self.field)
         wanted = "an odd number of band edges, 3 or more, in ascending order"
-        given = entries(edges, "edges", wanted)
-        self.edges = tuple(self.field.coerce(x, f"edges[{i}]") for i, x in enumerate(given))
+        self.edges = elements(self.field, edges, "edges", None, wanted)
         descends = not self.field.exact and any(x > y for x, y in pairwise(self.edges))
-        if len(given) < 3 or len(given) % 2 == 0 or descends:
+        if len(self.edges) < 3 or len(self.edges) % 2 == 0 or descends:
             raise ArgumentError(f"edges = {shown(edges)}: {wanted}")
-        self.gaps = len(given) // 2
+        self.gaps = len(self.edges) // 2
 
     @property
     def arguments(self) -> dict[str, object]:

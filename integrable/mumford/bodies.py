@@ -78,7 +78,7 @@ class BodyFlow(MumfordFlow):
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
         # the clock is kept in a variable, since another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
-        self._clocks = {digits: clock}
+        vars(self)["_clocks"] = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:

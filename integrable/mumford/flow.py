@@ -18,7 +18,7 @@ from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Numbers, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
-from jacobian.immutable import at_once, quick_property, replaced
+from jacobian.immutable import Immutable, at_once, quick_property
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
@@ -85,25 +85,19 @@ class Path(Run[Point[Any]]):
         return Point(*map(tuple, self._rows[row].reshape(2, -1).tolist()))
 
 
-class MumfordFlow(StateFlow[Path]):
+class MumfordFlow(StateFlow[Path], Immutable):
     """The motion of one state, returned by ``system.flow(state)``; ``at(times)`` evaluates it."""
 
     _cost = BY_ADDITIONS
 
+    system: Any
+    digits: int
+    start: Point
+    tolerance: float | None
+
+    @at_once
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
-        self.digits = long_digits(system.field)
-        self.system = system
-        self.start = state
-        self.tolerance = tolerance
-
-    def __reduce__(self) -> tuple[type[MumfordFlow], tuple[Any, ...]]:
-        return type(self), (self.system, self.start, self.tolerance)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, MumfordFlow) and self.__reduce__() == other.__reduce__()
-
-    def __hash__(self) -> int:
-        return hash(self.__reduce__())
+        vars(self).update(digits=long_digits(system.field), system=system, start=state, tolerance=tolerance)
 
     @quick_property
     def _genus(self) -> int:
@@ -296,9 +290,8 @@ class MumfordFlow(StateFlow[Path]):
         return largest_rate([floats.system.linearized(floats.start)])
 
     def _through(self, numbers: Iterable[Real], field: Any) -> Self:
-        n, c, given = self.system.size, len(self.system.constants), tuple(map(field.coerce, numbers))
-        q, p, constants, parameters = given[:n], given[n : 2 * n], given[2 * n : 2 * n + c], given[2 * n + c :]
-        return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))
+        n, given = self.system.size, tuple(map(field.coerce, numbers))
+        return type(self)(self.system._of(field, given[2 * n :]), Point(given[:n], given[n : 2 * n]))
 
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
         """:meth:`_separated` of a flow over RR; NotRepresentable over another field, with ``name`` in the message."""
