@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from integrable.portrait.differences import GUARD, differences
-from integrable.portrait.sensitivity import expected, in_field
-from integrable.portrait.variations import commuting_spin
+from integrable.portrait.sensitivity import expected, in_field, states_through
+from integrable.portrait.variations import commuting_spin, moved
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
@@ -48,10 +48,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
         turned = [(x - y + K.one / 2) % 1 for x, y in zip(found.angles, start, strict=True)]
         return np.array([turned, found.actions, found.frequencies], dtype=object)
 
-    def states(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
-        return np.hstack(flow._through(numbers, K)._states(times))
-
-    by_start = differences(states, inputs, digits, size)[:, :, :width]
+    by_start = differences(states_through(flow, times), inputs, digits, size)[:, :, :width]
     angles, actions, slopes = differences(numbers_of, inputs, digits, size)
     # of all changes of the start that change one phase and no other phase or action, the least is taken
     change = np.vstack([angles, actions])[:, :width]
@@ -87,12 +84,9 @@ def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
     e1, e2 = ovals.B0 / (2 * ovals.D), -ovals.A0 / (2 * ovals.D)
     determinant = f1 * e2 - f2 * e1
     alpha, beta = (e2 * slopes[0] - e1 * slopes[1]) / determinant, (f1 * slopes[1] - f2 * slopes[0]) / determinant
-    x = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
-    if not body.rolls:
-        Y = np.hstack([np.cross(run.gamma, run.M), 0 * run.M])
-    else:
-        spin = commuting_spin(body, run.gamma, run.M)
-        Y = np.hstack([np.cross(run.gamma, spin), np.cross(run.M, spin)]) - _lean(run, (e1, e2), digits)[:, None] * x
+    x, Y = (moved(run._rows, spin) for spin in (run.omega, commuting_spin(body, run.gamma, run.M)))
+    if body.rolls:
+        Y = Y - _lean(run, (e1, e2), digits)[:, None] * x
     found: np.ndarray = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
     return found
 

@@ -21,12 +21,11 @@ import numpy as np
 
 from integrable.phase.body import Body
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.portrait.differences import differences
-from integrable.portrait.variations import Variation, gradient
+from integrable.portrait.differences import FlowMap, differences
+from integrable.portrait.variations import Variation, gradient, moved
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import RR
-from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
 
@@ -96,13 +95,13 @@ class Sensitivity(Record):
 def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
     """The sensitivity at ``times``, by differences of motions that are computed with more digits."""
     (inputs, names), (digits, size) = flow._inputs(), expected(flow, times)
-
-    def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
-        states: np.ndarray = np.hstack(flow._through(numbers, K)._states(times))
-        return states
-
-    matrix = in_field(flow.system.field, differences(rows, inputs, digits, size))
+    matrix = in_field(flow.system.field, differences(states_through(flow, times), inputs, digits, size))
     return Sensitivity(times, matrix, None, "differences", flow, names)
+
+
+def states_through(flow: Any, times: np.ndarray) -> FlowMap:
+    """The function that gives the states at ``times`` of the motion with given inputs, over a given field."""
+    return lambda numbers, K: np.hstack(flow._through(numbers, K)._states(times))
 
 
 def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
@@ -168,7 +167,7 @@ class TorusVariations:
     def _at(self, run: Any) -> Sensitivity:
         phases = self._torus.phases(run.times, True, self._doubled)
         clock, steps = run.tau * self._pace, run.times * self._pace
-        here = Variation.at(self._body, self._scaled(np.hstack([run.gamma, run.M])))
+        here = Variation.at(self._body, self._scaled(run._rows))
         half = len(self._along)
         sums = together([self._sigma, *self._along, *self._across], *phases)
         sigma = sums[:, 0] + self._sigma.origin
@@ -214,7 +213,7 @@ def _lost(flow: Any, run: Any, matrix: np.ndarray) -> float:
     heavier = np.concatenate([np.zeros(3), M, system.inertia, [system.d]])
     faster = np.concatenate([np.zeros(3), M, np.zeros(4)])
     scaled = np.hstack([0 * run.gamma, run.M])
-    moved = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
-    gaps = matrix @ heavier - scaled, matrix @ faster - scaled - run.times[:, None] * moved
+    later = run.times[:, None] * moved(run._rows, run.omega)
+    gaps = matrix @ heavier - scaled, matrix @ faster - scaled - later
     size = np.abs(matrix).max(axis=(1, 2)) * max(1.0, float(np.abs(heavier).max()))
     return float(max((np.abs(gap).max(axis=1) / size).max(initial=0) for gap in gaps))

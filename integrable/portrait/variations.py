@@ -47,7 +47,7 @@ class Variation(NamedTuple):
         n = np.sum(gamma * a * M, axis=1)[:, None] / q
         omega = a * (M + d * n * gamma)
         g = q**-0.5
-        fields = np.stack([_moved(rows, omega), _moved(rows, commuting_spin(body, gamma, M))], axis=2)
+        fields = np.stack([moved(rows, omega), moved(rows, commuting_spin(body, gamma, M))], axis=2)
         n_gamma, n_M = (a * M - 2 * n * thin * gamma) / q, a * gamma / q
         one = np.eye(3)
         by_gamma = d * a[:, None] * (n[:, :, None] * one + gamma[:, :, None] * n_gamma[:, None, :])
@@ -106,7 +106,8 @@ def _left_inverse(columns: Array) -> Array:
     return found
 
 
-def _moved(rows: Array, spin: Array) -> Array:
+def moved(rows: Array, spin: Array) -> Array:
+    """The derivatives (γ × Ω, M × Ω) of states (γ, M), (N, 6), for Ω = ``spin``, (N, 3), in floats or mpf."""
     return np.concatenate([np.cross(rows[:, :3], spin), np.cross(rows[:, 3:], spin)], axis=1)
 
 
