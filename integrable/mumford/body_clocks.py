@@ -33,7 +33,6 @@ class RateSource(NamedTuple):
     problem: RateCurve
     wide: MultiprecisionField
     reals: BareReals
-    digits: int
 
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
         """Never called: points of the motion would determine a sign on which dt/dτ does not depend."""
@@ -50,7 +49,7 @@ class SeriesClock:
     def __init__(
         self, wide: MultiprecisionField, problem: RateCurve, direction: tuple[Real, Real], digits: int
     ) -> None:
-        source = RateSource(problem, wide, BareReals(wide.context.prec), digits)
+        source = RateSource(problem, wide, BareReals(wide.context.prec))
         # Newton's method for τ needs phases that change little per unit time, so the unit is 1/|direction[0]|
         first, second = direction
         self._unit = 1 / abs(first)
