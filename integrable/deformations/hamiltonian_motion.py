@@ -83,7 +83,7 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
         self._settled(lambda torus: phases_of(torus, "section"))
         motion: Any = self._settled(read, FAR_DIGITS)
         with LongField(motion[0][0].precision):
-            tau, theta, rotation = turned(count, oval, half, motion, float(motion[1][oval]))
+            tau, theta, rotation = turned(count, oval, half, motion)
         return Section(self.at_tau(rounded(self.system.field, tau)), theta, rotation)
 
     def _settled_on_torus(self, read: Callable[[Any], Vectors]) -> list[list[Real]]:
