@@ -66,8 +66,7 @@ class Diagram(Record):
         """Whether motions with (γ, M)²/H2 = X and H1/H2 = Z exist; the arguments are arrays that broadcast."""
         X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
-        inside: np.ndarray = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
-        return inside
+        return (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
 
     def divergence(self, X: Numbers) -> np.ndarray:
         """The exponent χ, per unit of t and of √H2, with which nearby motions leave the unstable rotation; 0 ≤ X ≤ 1.
@@ -80,8 +79,7 @@ class Diagram(Record):
         if not ((values >= 0) & (values <= 1)).all():
             raise ArgumentError(f"X = {shown(X)}: numbers from 0 to 1 are needed, X = (γ, M)²/H2")
         rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
-        found: np.ndarray = np.array(rates).reshape(values.shape)
-        return found
+        return np.array(rates).reshape(values.shape)
 
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(X, Z, rotation number) on a grid in X and ζ = H1/H2 of the upright body, for contours in the diagram.

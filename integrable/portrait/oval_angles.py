@@ -46,8 +46,7 @@ class OvalAngles(NamedTuple):
         grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
 
         def still(sums: Array) -> Array:
-            found: Array = np.delete(sums - sums[:, [grows]] * (rates / rates[grows]), grows, axis=1)
-            return found
+            return np.delete(sums - sums[:, [grows]] * (rates / rates[grows]), grows, axis=1)
 
         rest = OvalAngles(still(self.means[others]), tuple(still(self.waves[k]) for k in others))
 

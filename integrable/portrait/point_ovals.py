@@ -120,8 +120,7 @@ class Pole(NamedTuple):
     def swings(self, phi: np.ndarray) -> np.ndarray:
         """The values of :meth:`swing` at an array of floats φ."""
         ratio, sine, cosine = float(self.ratio), np.sin(phi / 2), np.cos(phi / 2)
-        found: np.ndarray = 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
-        return found
+        return 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
 
 
 def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> Roots:

@@ -102,8 +102,7 @@ def commuting_spin(body: Body, gamma: Array, M: Array) -> Array:
 def _left_inverse(columns: Array) -> Array:
     """The pseudo-inverses, shape (N, m, 6), of N matrices of independent columns, shape (N, 6, m)."""
     q, r = np.linalg.qr(columns)
-    found: Array = np.linalg.solve(r, q.transpose(0, 2, 1))
-    return found
+    return np.linalg.solve(r, q.transpose(0, 2, 1))
 
 
 def moved(rows: Array, spin: Array) -> Array:

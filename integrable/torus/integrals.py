@@ -139,8 +139,7 @@ def resolved_samples(
         return ResolvedSamples(values, grids, noises), (max(rows), max(columns))
 
     rows, columns = (max(FIRST_SIZE, size) for size in flow.first_grid())
-    found: ResolvedSamples = resolved(sampled, transformed, (rows, columns), most)
-    return found
+    return resolved(sampled, transformed, (rows, columns), most)
 
 
 class LongIntegral:

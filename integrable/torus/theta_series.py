@@ -87,8 +87,7 @@ def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tupl
 
 def is_odd(chars: Row, k: int) -> bool:
     """Whether θ of class k is odd in φ."""
-    odd: bool = (chars[4 * k] * chars[4 * k + 2] + chars[4 * k + 1] * chars[4 * k + 3]) % 2 > 0
-    return odd
+    return (chars[4 * k] * chars[4 * k + 2] + chars[4 * k + 1] * chars[4 * k + 3]) % 2 > 0
 
 
 class Lattice(NamedTuple):
