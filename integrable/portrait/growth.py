@@ -87,8 +87,7 @@ def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
     x, Y = (moved(run._rows, spin) for spin in (run.omega, commuting_spin(body, run.gamma, run.M)))
     if body.rolls:
         Y = Y - _lean(run, (e1, e2), digits)[:, None] * x
-    found: np.ndarray = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
-    return found
+    return run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:

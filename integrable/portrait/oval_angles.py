@@ -52,8 +52,7 @@ class OvalAngles(NamedTuple):
 
         def late(phases: Array) -> Array:
             angles = np.insert(rest._at(phases[:, others]), oval, 2 * np.pi * phases[:, oval], axis=1)
-            found: Array = (self.sums(angles)[0] - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
-            return found
+            return (self.sums(angles)[0] - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
 
         return self._in_parts(late, phases)
 

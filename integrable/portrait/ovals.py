@@ -110,8 +110,7 @@ def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndar
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2
     q = (a3 * c + a2 * s - d * a2 * a3) / (1 - d * (a2 * c + a3 * s))
-    found: np.ndarray = q - (q - a1) * momentum**2
-    return found
+    return q - (q - a1) * momentum**2
 
 
 class Ovals(NamedTuple):
@@ -147,5 +146,4 @@ class Ovals(NamedTuple):
     @property
     def D(self) -> Real:
         """The determinant A0·B1 − A1·B0, which is positive."""
-        area: Real = self.A0 * self.B1 - self.A1 * self.B0
-        return area
+        return self.A0 * self.B1 - self.A1 * self.B0

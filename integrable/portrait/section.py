@@ -65,8 +65,7 @@ class Section(Record):
     @property
     def times(self) -> np.ndarray:
         """The times of the crossings, shape (N,)."""
-        found: np.ndarray = self.run.times
-        return found
+        return self.run.times
 
     def __len__(self) -> int:
         return len(self.theta)
@@ -93,8 +92,7 @@ class BodySection(Section):
     @property
     def tau(self) -> np.ndarray:
         """The values of the flow's own time τ at the crossings, shape (N,)."""
-        found: np.ndarray = self.run.tau
-        return found
+        return self.run.tau
 
     def figure(self) -> Figure:
         """A picture: the crossings; for the largest moment also the curves of other motions of the upright body."""

@@ -112,8 +112,7 @@ def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
 
 def in_field(field: Field, found: np.ndarray) -> np.ndarray:
     """An array of long numbers in the numbers of RR or MP(digits)."""
-    numbers: np.ndarray = np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
-    return numbers
+    return np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
 
 
 class TorusVariations:
@@ -193,14 +192,12 @@ class TorusVariations:
     def _in_units(self, found: np.ndarray) -> np.ndarray:
         rows = np.array([1.0] * 3 + [self._size] * 3)
         columns = np.array([1.0] * 3 + [self._size] * 3 + [self._unit] * 4)
-        scaled: np.ndarray = rows[:, None] * (found @ self._project) / columns
-        return scaled
+        return rows[:, None] * (found @ self._project) / columns
 
 
 def _noise(most: np.ndarray) -> np.ndarray:
     """For each integrand the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
-    found: np.ndarray = NOISE * most.max() / np.maximum(most, NOISE * most.max())
-    return found
+    return NOISE * most.max() / np.maximum(most, NOISE * most.max())
 
 
 def _lost(flow: Any, run: Any, matrix: np.ndarray) -> float:

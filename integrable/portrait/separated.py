@@ -329,16 +329,14 @@ class SeparatedTorus:
     def slowness(self) -> Real:
         """The mean of dt/dτ: 1, or a quotient of determinants of integrals if time is not a sum over the points."""
         if self.separation.slow is None:
-            one: Real = self._field.one
-            return one
+            return self._field.one
         N, (end, factor) = self._field, self.separation.slow
         slowed = [self._sampled(oval, self.separation.forms, lambda x: 1 / N.sqrt(abs(end - x))) for oval in self.ovals]
         areas = []
         for table in [[sum(row) / len(row) for row in rows] for rows in slowed], self.means:
             (a, b), (c, d) = table
             areas.append(a * d - b * c)
-        mean: Real = factor * areas[0] / areas[1]
-        return mean
+        return factor * areas[0] / areas[1]
 
     @cached_property
     def clock(self) -> TorusSeries | None:

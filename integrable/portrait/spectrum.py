@@ -205,8 +205,7 @@ class OwnTime(NamedTuple):
             step = (late * self.mean - swing) / rate
             late = late - step
             if np.abs(step).max() * np.abs(self.rates).max() < SOLVED:
-                found: np.ndarray = phases - late[:, None] * self.rates
-                return found
+                return phases - late[:, None] * self.rates
         raise PrecisionLoss("spectrum: the clock of this motion is too uneven for floats")
 
 

@@ -54,8 +54,7 @@ class TorusPortrait(Immutable):
     @property
     def rotation_number(self) -> Real:
         """The quotient of the first two frequencies."""
-        quotient: Real = self.frequencies[0] / self.frequencies[1]
-        return quotient
+        return self.frequencies[0] / self.frequencies[1]
 
     @property
     def periods(self) -> tuple[Real, ...]:

@@ -95,8 +95,7 @@ def commuting_spin(body: Body, gamma: Array, M: Array) -> Array:
     """The vectors Ω = M/g + dg(γ, AM)γ of the Hamiltonian field Y of H2/2, shape (N, 3), in floats or mpf."""
     slowness = (np.sum(np.array(body.contact) * gamma**2, axis=1) ** 0.5)[:, None]
     along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
-    spin: Array = slowness * M + body.d * along / slowness * gamma
-    return spin
+    return slowness * M + body.d * along / slowness * gamma
 
 
 def _left_inverse(columns: Array) -> Array:
