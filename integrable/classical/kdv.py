@@ -19,6 +19,9 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from integrable.mumford.columns import Column, Columns
 from integrable.mumford.flow import RIGHT, element
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
@@ -37,8 +40,6 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.enclosure import EnclosedPlace
     from integrable.mumford.phase_torus import PhaseTorus
@@ -166,8 +167,6 @@ class Wave:
         a double edge the number of lost bits grows in proportion to x and t: PrecisionLoss beyond about 500 widths of
         the soliton.
         """
-        import numpy as np
-
         xs, ts = self._given(x, t)
         found = np.empty_like(xs)
         times, which = np.unique(ts, return_inverse=True)
@@ -182,8 +181,6 @@ class Wave:
         Their radius is at most 10^(−digits) times the span of the edges. The edges, γ_j, x and t count as exact.
         ``digits`` defaults to those of the field, 15 for RR. PrecisionLoss if no such balls are found.
         """
-        import numpy as np
-
         from integrable.moving_point.balls import Balls
         from integrable.mumford.enclosure import EnclosedPlace, lost_bits
 
@@ -207,8 +204,6 @@ class Wave:
 
     def _given(self, x: Numbers, t: Numbers) -> list[np.ndarray]:
         """x and t, broadcast to arrays of one shape, with elements of the field."""
-        import numpy as np
-
         K = self.kdv.field
         found = []
         for name, values in (("x", x), ("t", t)):
@@ -247,7 +242,6 @@ class Wave:
         return self._profiles[t]
 
     def _made_profile(self, t: float) -> Profile:
-        from integrable.mumford.columns import Columns
         from integrable.mumford.elliptic_torus import EllipticTorus
         from integrable.mumford.phase_torus import PhaseTorus
         from integrable.mumford.theta_torus import ThetaTorus
@@ -268,8 +262,6 @@ class Wave:
             return PhaseTorus(torus, lambda halves, _: Extended(*torus.pair_at(Columns(), halves, ())[:2]))
 
     def _on(self, torus: Profile, xs: np.ndarray) -> np.ndarray:
-        from integrable.mumford.columns import Column, Columns
-
         ((u, _),) = self._read(Columns(), torus.at(xs))
         return Column.of(u).hi
 

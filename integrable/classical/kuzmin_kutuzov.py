@@ -18,6 +18,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
+import gmpy2
+
 from integrable.mumford.flow import ON_TORUS, TORUS, MumfordFlow, Point
 from integrable.mumford.motion import Start, Vectors, settled_digits
 from integrable.mumford.phase_torus import PhaseTorus
@@ -57,8 +59,6 @@ class SummedFlow(MumfordFlow):
         return {}
 
     def _state(self, N: LongField, time: Number) -> Point:
-        import gmpy2
-
         if N.bits not in self._tori:
             separated = self._separated(N)
             self._tori[N.bits] = separated, self._states_on(N, separated)

@@ -10,6 +10,9 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
+import numpy as np
+
+from integrable.mumford.columns import Column, Columns
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import long_digits
 from integrable.phase.run import ROUNDED, Run
@@ -24,8 +27,6 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
-    import numpy as np
-
     Arrays = Sequence[np.ndarray]
 
     from integrable.mumford.elliptic_torus import EllipticTorus
@@ -195,8 +196,6 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
 
     def _by_additions(self, times: np.ndarray) -> StatesReached:
-        import numpy as np
-
         K, places = self.system.field, self._places(times.tolist())
         states = [[[element(K, x) for x in part] for part in self._row(place)] for place in places]
         found = np.array(states, dtype=float if K == RR else object).reshape(len(times), 2, self.system.size)
@@ -308,10 +307,6 @@ class MumfordFlow(StateFlow[Path], Immutable):
         """The function ``states(halves, turned)`` that returns q and p at many points of the torus, in floats:
         ``halves`` are as in :meth:`_states_on`, ``turned`` are the angles about an axis.
         """
-        import numpy as np
-
-        from integrable.mumford.columns import Column, Columns
-
         K, read = Columns(), self._states_on(N, torus)
 
         def states(halves: list[tuple[np.ndarray, np.ndarray]], turned: Arrays) -> tuple[Arrays, Arrays]:
@@ -409,7 +404,6 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return ThetaTorus(self._place)
 
     def _made_phase_torus(self) -> PhaseTorus:
-        from integrable.mumford.columns import Columns
         from integrable.mumford.phase_torus import PhaseTorus
 
         with LongField(BITS_OF_TORUS) as N:
@@ -422,8 +416,6 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
         Where series do not reach or lose digits, the comparison is with additions in long numbers.
         """
-        import numpy as np
-
         times = torus.witnesses
         true = filled((self._walked, self._by_additions), times).states
         with np.errstate(invalid="ignore"):
@@ -441,10 +433,6 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
         """The states that a torus gives at the N ``times``, shape (N, 2, n)."""
-        import numpy as np
-
-        from integrable.mumford.columns import Column, Columns
-
         D = torus.at(times)
         if self._recorded is not None:
             states: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterable, Sequence
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar
 
+import numpy as np
+
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.motion import Start, settled_digits
@@ -38,8 +40,6 @@ from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.mumford.recorded import PairFormulas
     from integrable.series.kinds import Kind
 
@@ -288,8 +288,6 @@ class MumfordSystem(Made):
 
     def linearized(self, state: Point) -> np.ndarray:
         """The derivatives of (q', p') with respect to (q, p) at a state, shape (2n, 2n), exact over an exact field."""
-        import numpy as np
-
         n = self.size
         jets = JetField(self.field, 2 * n)
         both = jets.variables((*state.q, *state.p))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import ceil, log2, pi
 from typing import TYPE_CHECKING, NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.torus.clock_modes import size_wanted
@@ -263,8 +264,6 @@ def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
 
 def circle_of(count: int) -> np.ndarray:
     """e^(−2πik/count) for k < count, to the precision in force (:class:`~jacobian.numbers.long_reals.BareReals`)."""
-    import gmpy2
-
     return np.array([gmpy2.root_of_unity(count, -k % count) for k in range(count)], dtype=object)
 
 

@@ -11,6 +11,7 @@ from functools import cache
 from math import floor, log2, pi
 from typing import NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.moving_point.addition import Row
@@ -246,8 +247,6 @@ def long_numbers(bits: int) -> LongField:
 
 def half_turn() -> Real:
     """π at the precision of the field currently entered."""
-    import gmpy2
-
     return gmpy2.const_pi()
 
 
