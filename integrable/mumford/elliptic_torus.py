@@ -172,7 +172,7 @@ class EllipticTorus(FarTimes):
             roots = long_roots(N, start.f, ends)
             if not all_real(roots) or coincident(N, roots):
                 raise PrecisionLoss("branch points are not real, or not told apart")
-            model = _model(N, start, roots)
+            model = _model(start, roots)
             low, high = max(model.place - model.first, N.zero), max(model.first + model.swing - model.place, N.zero)
             side = 1 if model.height * model.pace >= 0 else -1
             oval = EllipticOval(N, model.swing, model.above, (side * N.sqrt(low), N.sqrt(high)))
@@ -203,7 +203,7 @@ class EllipticTorus(FarTimes):
         return Extended((-x, Column(1.0)), (y,), data)
 
 
-def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
+def _model(start: Start, roots: Sequence[Real]) -> CubicModel:
     """The cubic model of a start; ``roots`` are the roots of f in ascending order."""
     lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
     if len(roots) == 4:

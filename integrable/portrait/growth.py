@@ -61,7 +61,9 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
 
 
 def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part of the derivatives of γ and M at ``times``, for a ball or top: shape (N, 6, 10)."""
+    """The secular part of the derivatives of γ and M at ``times``, for a ball or top: shape (N, 6, 10). PrecisionLoss
+    where the modes of 1/g are too many.
+    """
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     if flow.portrait.region not in ("low", "high"):
         raise NotRepresentable("secular: these are derivatives of motions that lie on no torus of dimension two")
@@ -71,14 +73,7 @@ def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
         return np.array([flow._through(numbers, K).portrait.frequencies], dtype=object)
 
     slopes = differences(frequencies, inputs, digits, size)[0]
-    there = flow._through(flow._numbers, MP(digits + ceil(log10(size)) + GUARD))
-    return in_field(flow.system.field, _growth(there.at(times), slopes, digits))
-
-
-def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
-    """The secular part at the times of ``run``, a Trajectory over MP. ``slopes``, shape (2, 10), are the derivatives of
-    both frequencies. PrecisionLoss where the modes of 1/g are too many.
-    """
+    run = flow._through(flow._numbers, MP(digits + ceil(log10(size)) + GUARD)).at(times)
     body, portrait = run.system.body, run.flow.portrait
     ovals, (f1, f2) = portrait.ovals, portrait.frequencies
     e1, e2 = ovals.B0 / (2 * ovals.D), -ovals.A0 / (2 * ovals.D)
@@ -87,7 +82,8 @@ def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
     x, Y = (moved(run._rows, spin) for spin in (run.omega, commuting_spin(body, run.gamma, run.M)))
     if body.rolls:
         Y = Y - _lean(run, (e1, e2), digits)[:, None] * x
-    return run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
+    secular = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
+    return in_field(flow.system.field, secular)
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:
