@@ -31,9 +31,10 @@ from integrable.phase.enclosure import Precisions, ball_digits, exact_times, wid
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
+from integrable.steps.step import checked_signs
 from jacobian import RR, poly
 from jacobian.element import Arithmetic, FormulaField, Numbers, Real, Value
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, entries, shown
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -94,10 +95,7 @@ class KdV(Made):
                 raise ArgumentError(f"gamma[{j}] = {shown(x)}: a number in the gap [{shown(low)}, {shown(high)}]")
             if x in found[:j]:
                 raise ArgumentError(f"gamma = {shown(gamma)}: {shown(x)} twice, where they do not determine a solution")
-        turns = [1] * self.gaps if signs is None else entries(signs, "signs", wanted := f"{self.gaps} numbers ±1")
-        if len(turns) != self.gaps or any(s not in (1, -1) for s in turns):
-            raise ArgumentError(f"signs = {shown(signs)}: {wanted} are needed")
-        return Eigenvalues(found, tuple(int(s) for s in turns))
+        return Eigenvalues(found, tuple(map(int, checked_signs(signs, self.gaps, "signs"))))
 
     def spectral(self, state: Eigenvalues) -> Spectral:
         """The polynomials f, u and v of a state, in ascending order, without double edges that equal a γ_j."""

@@ -25,6 +25,7 @@ from integrable.moving_point.elliptic_integrals import complete
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import Setup
 from integrable.portrait.ovals import Level, Ovals
+from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import OvalTorus
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
@@ -225,6 +226,4 @@ def start_angles(system: PhaseSpace, state: State, wide: MultiprecisionField, di
             if lost == LOST[-1]:
                 raise
     # the phases of an OvalTorus are 0 at the inner end of the second oval
-    first, second = found[0], found[1] + wide.one / 2
-    floor = wide.context.floor
-    return first - floor(first), second - floor(second)
+    return phases(wide.one, (found[0], found[1] + wide.one / 2), wide)
