@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from integrable.motion.precise import rounded
 from integrable.motion.trajectory import Motion, Trajectory
 from integrable.phase.state import onto_constraints, state_of_row
+from integrable.phase.ways import rounded
 from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Real

@@ -18,8 +18,9 @@ from typing import Any
 
 import numpy as np
 
+from integrable.phase.ways import rounded
 from integrable.portrait.differences import GUARD, differences
-from integrable.portrait.sensitivity import expected, in_field, states_through
+from integrable.portrait.sensitivity import expected, states_through
 from integrable.portrait.variations import commuting_spin, moved
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import modes_of_rate
@@ -57,7 +58,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     if None in columns:
         raise PrecisionLoss("secular: the phases and the actions of this motion are not independent")
     moved = by_start @ (change.T @ np.array(columns, dtype=object).T)
-    return in_field(flow.system.field, times[:, None, None] * (moved @ slopes))
+    return rounded(flow.system.field, times[:, None, None] * (moved @ slopes))
 
 
 def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
@@ -83,7 +84,7 @@ def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
     if body.rolls:
         Y = Y - _lean(run, (e1, e2), digits)[:, None] * x
     secular = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
-    return in_field(flow.system.field, secular)
+    return rounded(flow.system.field, secular)
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.phase.ways import rounded
 from integrable.portrait.oval_angles import OvalAngles
 from integrable.portrait.ovals import Level
 from jacobian import RR
@@ -167,7 +168,7 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
     motion, sums = (portrait.wide_tau_frequencies, portrait.wide_angles("section")), sums_over_ovals(portrait.level)
     tau, theta, rotation = turned(count, oval, 0.0, motion, (sums, np.array([1.0, 0.0])))
     axes = portrait.level.axes[::-1] if oval else portrait.level.axes
-    run = _refined(flow, np.array([*map(K.coerce, tau)], dtype=float if K == RR else object), axes[0])
+    run = _refined(flow, rounded(K, tau), axes[0])
     return BodySection(run, theta[:, 0], float(rotation[0]), axes)
 
 

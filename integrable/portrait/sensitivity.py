@@ -21,12 +21,12 @@ import numpy as np
 
 from integrable.phase.body import Body
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.phase.ways import rounded
 from integrable.portrait.differences import FlowMap, differences
 from integrable.portrait.variations import Variation, gradient, moved
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import RR
-from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class Sensitivity(Record):
 def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
     """The sensitivity at ``times``, by differences of motions that are computed with more digits."""
     (inputs, names), (digits, size) = flow._inputs(), expected(flow, times)
-    matrix = in_field(flow.system.field, differences(states_through(flow, times), inputs, digits, size))
+    matrix = rounded(flow.system.field, differences(states_through(flow, times), inputs, digits, size))
     return Sensitivity(times, matrix, None, "differences", flow, names)
 
 
@@ -108,11 +108,6 @@ def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
     """The number of digits to which a flow's derivatives are computed, and the approximate size of the derivatives."""
     farthest, field = max((abs(float(t)) for t in times), default=0.0), flow.system.field
     return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * flow._fastest
-
-
-def in_field(field: Field, found: np.ndarray) -> np.ndarray:
-    """An array of long numbers in the numbers of RR or MP(digits)."""
-    return np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
 
 
 class TorusVariations:
