@@ -81,7 +81,7 @@ class BodyFlow(MumfordFlow):
         # the clock is kept in a variable, since another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
         vars(self)["_clocks"] = {digits: clock}
-        return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
+        return clock.tau(times)
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         if in_tau:
