@@ -17,7 +17,7 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, hypot, log10
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.mumford.body_clocks import SPARE, RateSource, WalkedClock
 from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
@@ -26,6 +26,7 @@ from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
 from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
+from integrable.phase.enclosure import Enclosure
 from integrable.phase.ways import Cost
 from integrable.portrait.point_ovals import Form, Separation
 from integrable.torus.lattice import RateCurve
@@ -37,9 +38,6 @@ from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
-
-if TYPE_CHECKING:
-    from integrable.phase.enclosure import Enclosure
 
 # guard digits of τ; far times get more, in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4

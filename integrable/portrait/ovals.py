@@ -13,19 +13,17 @@ that has shrunk to a point gives residues.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
+from integrable.moving_point.setup import Setup
+from integrable.phase.body import Body
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
 from jacobian.numbers.roots import root
-
-if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
-    from integrable.phase.body import Body
 
 FLOAT_EPS = 2.0**-52
 

@@ -19,11 +19,12 @@ d = 0 Euler 1758, Jacobi 1849.)
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from integrable.moving_point.elliptic_integrals import complete
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import Setup
+from integrable.phase.space import PhaseSpace
+from integrable.phase.state import State
 from integrable.portrait.ovals import Level, Ovals
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import OvalTorus
@@ -33,10 +34,6 @@ from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.immutable import Immutable
 from jacobian.numbers.long_reals import BallReals
 from jacobian.numbers.roots import root
-
-if TYPE_CHECKING:
-    from integrable.phase.space import PhaseSpace
-    from integrable.phase.state import State
 
 REGIONS = {
     "low": "ζ below the middle a_i: M̃ circles the axis of the least one, of the largest moment",

@@ -15,7 +15,7 @@ has rank two: one combination of the three independent integrals changes the sha
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,13 +24,11 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.ways import rounded
 from integrable.portrait.differences import FlowMap, differences
 from integrable.portrait.variations import Variation, gradient, moved
+from integrable.torus.access import TorusFlow
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import RR
 from jacobian.immutable import Record, read_only
-
-if TYPE_CHECKING:
-    from integrable.torus.access import TorusFlow
 
 # Fourier coefficients of the integrands below this fraction of the largest one are rounding errors
 NOISE = 3e-14

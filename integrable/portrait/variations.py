@@ -14,12 +14,11 @@ so only integrals of functions of the state remain. Numbers are floats; the firs
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from integrable.phase.body import Body
+from integrable.phase.body import Body
 
 Array = np.ndarray
 
