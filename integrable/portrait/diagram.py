@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from integrable.portrait.ovals import Level, Ovals
+from integrable.portrait.pictures import diagram
 from jacobian import RR
 from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, floats, shown, whole
 from jacobian.immutable import Record
+from jacobian.notebook import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -101,13 +103,9 @@ class Diagram(Record):
 
     def figure(self, *states: State) -> Figure:
         """A picture: contours of the rotation number, a line for the rotations about each axis, points of states."""
-        from integrable.portrait.pictures import diagram
-
         return diagram(self, states)
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import table
-
         ends = ((*start, *end) for start, end in self.lines.tolist())
         rows = [(moment, *end) for moment, end in zip(self.system.inertia, ends, strict=True)]
         return table(repr(self), ["rotations about the axis of", "X", "Z", "to X", "Z"], rows)

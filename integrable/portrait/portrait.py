@@ -32,6 +32,7 @@ from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.immutable import Immutable
+from jacobian.notebook import named
 from jacobian.numbers.long_reals import BallReals
 from jacobian.numbers.roots import root
 
@@ -182,8 +183,6 @@ class Portrait(Immutable):
         return drift if system.radius is None else system.radius * drift, spin
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import named
-
         names = "region axis distance frequencies rotation_number precession spin polhode drift"
         return named("what the motion is", [(name, getattr(self, name)) for name in names.split()])
 

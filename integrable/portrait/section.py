@@ -28,10 +28,12 @@ import numpy as np
 from integrable.phase.ways import rounded
 from integrable.portrait.oval_angles import OvalAngles
 from integrable.portrait.ovals import Level
+from integrable.portrait.pictures import section_figure
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import one_of, whole
 from jacobian.immutable import Record
+from jacobian.notebook import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,13 +99,9 @@ class BodySection(Section):
 
     def figure(self) -> Figure:
         """A picture: the crossings; for the largest moment also the curves of other motions of the upright body."""
-        from integrable.portrait.pictures import section_figure
-
         return section_figure(self)
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import table
-
         columns = (self.tau, self.phi, self.momentum, self.theta)
         return table(repr(self), ["τ", "φ", "M/|M|", "ϑ"], list(zip(*(x.tolist() for x in columns), strict=True)))
 

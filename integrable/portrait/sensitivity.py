@@ -29,6 +29,7 @@ from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_sampl
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import RR
 from jacobian.immutable import Record, read_only
+from jacobian.notebook import table
 
 # Fourier coefficients of the integrands below this fraction of the largest one are rounding errors
 NOISE = 3e-14
@@ -79,8 +80,6 @@ class Sensitivity(Record):
         return len(self.times)
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import table
-
         if not len(self):
             return table(repr(self), ["", *self.columns], [])
         rows = [(name, *row) for name, row in zip(self.columns, self.matrix[-1].tolist(), strict=False)]
