@@ -15,6 +15,7 @@ from functools import cache
 from math import acos, cos
 from typing import Any, NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.classical.axial import AxialSystem, Axis, state_of
@@ -207,8 +208,6 @@ def _turning(N: LongField, gaps: Gaps, axis: Axis) -> tuple[Sequence[Real], Sequ
 
 def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: Axis) -> Sequence[Real]:
     """The ``numbers`` of :class:`AxialThetas` with C = 1, changed to the C of a motion that starts at ``axis``."""
-    import gmpy2
-
     (x, y, _), (dx, dy, _) = axis_at(AxialThetas(numbers, table, _long_inverse(), False), N.zero)
     by_rate = max(abs(x), abs(y)) * abs(numbers[5]) <= max(abs(dx), abs(dy))
     own, found = (axis.g_rate, (dx, dy)) if by_rate else (axis.g, (x, y))
@@ -227,8 +226,6 @@ def _waves(nome: Real, angle: Real, count: int) -> tuple[list[tuple[Real, Real]]
     """For k = 2n + 1, n < ``count``, the sum and the difference of the coefficients of e^{ikv} and e^{−ikv} in
     θ₂(v − i·angle), divided by the largest of all. The second result is −iθ₂'/θ₂ at −i·angle.
     """
-    import gmpy2
-
     grown, rows = gmpy2.exp(2 * abs(angle)), []
     for n in range(count):
         size = nome ** (n * n + n)

@@ -16,7 +16,8 @@ from collections.abc import Iterable, Sequence
 
 from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import IntegralsByName, elements
+from integrable.mumford.system import IntegralsByName
+from integrable.phase.body import elements
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, shown

@@ -11,7 +11,7 @@ from typing import Any
 
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.mumford.flow import Point
-from integrable.mumford.system import elements
+from integrable.phase.body import elements
 from integrable.phase.precisions import long_digits
 from jacobian.element import Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown

@@ -19,25 +19,28 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
+from integrable.mumford.columns import Column, Columns
 from integrable.mumford.flow import RIGHT, element
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
-from integrable.mumford.system import Spectral, elements
+from integrable.mumford.system import Spectral
+from integrable.phase.body import elements
 from integrable.phase.enclosure import Precisions, ball_digits, exact_times, widest
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.portrait.point_ovals import Form, Separation
+from integrable.steps.step import checked_signs
 from jacobian import RR, poly
 from jacobian.element import Arithmetic, FormulaField, Numbers, Real, Value
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, entries, shown
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown
 from jacobian.fields.protocol import Field, check_field
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.enclosure import EnclosedPlace
     from integrable.mumford.phase_torus import PhaseTorus
@@ -69,12 +72,11 @@ class KdV(Made):
         if not self.field.exact:
             long_digits(self.field)
         wanted = "an odd number of band edges, 3 or more, in ascending order"
-        given = entries(edges, "edges", wanted)
-        self.edges = tuple(self.field.coerce(x, f"edges[{i}]") for i, x in enumerate(given))
+        self.edges = elements(self.field, edges, "edges", None, wanted)
         descends = not self.field.exact and any(x > y for x, y in pairwise(self.edges))
-        if len(given) < 3 or len(given) % 2 == 0 or descends:
+        if len(self.edges) < 3 or len(self.edges) % 2 == 0 or descends:
             raise ArgumentError(f"edges = {shown(edges)}: {wanted}")
-        self.gaps = len(given) // 2
+        self.gaps = len(self.edges) // 2
 
     @property
     def arguments(self) -> dict[str, object]:
@@ -93,10 +95,7 @@ class KdV(Made):
                 raise ArgumentError(f"gamma[{j}] = {shown(x)}: a number in the gap [{shown(low)}, {shown(high)}]")
             if x in found[:j]:
                 raise ArgumentError(f"gamma = {shown(gamma)}: {shown(x)} twice, where they do not determine a solution")
-        turns = [1] * self.gaps if signs is None else entries(signs, "signs", wanted := f"{self.gaps} numbers ±1")
-        if len(turns) != self.gaps or any(s not in (1, -1) for s in turns):
-            raise ArgumentError(f"signs = {shown(signs)}: {wanted} are needed")
-        return Eigenvalues(found, tuple(int(s) for s in turns))
+        return Eigenvalues(found, tuple(map(int, checked_signs(signs, self.gaps, "signs"))))
 
     def spectral(self, state: Eigenvalues) -> Spectral:
         """The polynomials f, u and v of a state, in ascending order, without double edges that equal a γ_j."""
@@ -166,8 +165,6 @@ class Wave:
         a double edge the number of lost bits grows in proportion to x and t: PrecisionLoss beyond about 500 widths of
         the soliton.
         """
-        import numpy as np
-
         xs, ts = self._given(x, t)
         found = np.empty_like(xs)
         times, which = np.unique(ts, return_inverse=True)
@@ -182,8 +179,6 @@ class Wave:
         Their radius is at most 10^(−digits) times the span of the edges. The edges, γ_j, x and t count as exact.
         ``digits`` defaults to those of the field, 15 for RR. PrecisionLoss if no such balls are found.
         """
-        import numpy as np
-
         from integrable.moving_point.balls import Balls
         from integrable.mumford.enclosure import EnclosedPlace, lost_bits
 
@@ -207,8 +202,6 @@ class Wave:
 
     def _given(self, x: Numbers, t: Numbers) -> list[np.ndarray]:
         """x and t, broadcast to arrays of one shape, with elements of the field."""
-        import numpy as np
-
         K = self.kdv.field
         found = []
         for name, values in (("x", x), ("t", t)):
@@ -247,7 +240,6 @@ class Wave:
         return self._profiles[t]
 
     def _made_profile(self, t: float) -> Profile:
-        from integrable.mumford.columns import Columns
         from integrable.mumford.elliptic_torus import EllipticTorus
         from integrable.mumford.phase_torus import PhaseTorus
         from integrable.mumford.theta_torus import ThetaTorus
@@ -268,8 +260,6 @@ class Wave:
             return PhaseTorus(torus, lambda halves, _: Extended(*torus.pair_at(Columns(), halves, ())[:2]))
 
     def _on(self, torus: Profile, xs: np.ndarray) -> np.ndarray:
-        from integrable.mumford.columns import Column, Columns
-
         ((u, _),) = self._read(Columns(), torus.at(xs))
         return Column.of(u).hi
 

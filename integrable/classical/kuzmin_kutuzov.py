@@ -17,17 +17,39 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from integrable.classical.summed import SummedFlow
-from integrable.mumford.flow import Point
-from integrable.mumford.motion import Start
+from integrable.mumford.flow import ON_TORUS, TORUS, MumfordFlow, Point
+from integrable.mumford.motion import Start, Vectors
+from integrable.mumford.phase_torus import PhaseTorus
 from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
 from integrable.phase.body import cross
+from integrable.phase.enclosure import Enclosure
 from integrable.portrait.point_ovals import Form, Separation
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
 from jacobian.relatives.extended import Extended, Lift
+
+
+class SummedFlow(MumfordFlow):
+    """The motion, at any times, of a state whose pair has one point in each of g ovals, by sums of integrals over the
+    ovals (:mod:`integrable.portrait.separated`) instead of additions.
+    """
+
+    # states in long numbers are computed by sums over the ovals, as those in floats are, so their ``way`` is TORUS too
+    _long_way = TORUS
+
+    def _budget(self, count: int) -> float:
+        return ON_TORUS[3].of(count)
+
+    def _made_torus(self) -> PhaseTorus:
+        return self._made_phase_torus()
+
+    def _row(self, time: Real) -> Vectors:
+        return self._summed(time)
+
+    def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
+        raise ArgumentError(f"times = {shown(times)}: the sums of {self.system!r} over ovals have no proven bounds")
 
 
 class KuzminKutuzov(MumfordSystem):

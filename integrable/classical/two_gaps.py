@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from integrable.mumford.flow import Point
-from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of, elements
-from integrable.phase.body import Vector
+from integrable.mumford.system import IntegralsByName, MumfordSystem, Spectral, all_of
+from integrable.phase.body import Vector, elements
 from jacobian import RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.fields.protocol import Field, check_field

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from integrable.motion.precise import rounded
 from integrable.motion.trajectory import Motion, Trajectory
 from integrable.phase.state import onto_constraints, state_of_row
+from integrable.phase.ways import rounded
 from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Real
@@ -83,7 +83,7 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
         self._settled(lambda torus: phases_of(torus, "section"))
         motion: Any = self._settled(read, FAR_DIGITS)
         with LongField(motion[0][0].precision):
-            tau, theta, rotation = turned(count, oval, half, motion, float(motion[1][oval]))
+            tau, theta, rotation = turned(count, oval, half, motion)
         return Section(self.at_tau(rounded(self.system.field, tau)), theta, rotation)
 
     def _settled_on_torus(self, read: Callable[[Any], Vectors]) -> list[list[Real]]:

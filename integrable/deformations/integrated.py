@@ -12,16 +12,15 @@ from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, r
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.deformations.taylor import integrate
-from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
-from integrable.phase.ways import InOrder, Way
+from integrable.phase.ways import InOrder, Way, rounded
 from integrable.portrait.differences import Inputs
-from integrable.portrait.sensitivity import Sensitivity, in_field
+from integrable.portrait.sensitivity import Sensitivity
 from integrable.series.tape import recorded
 from jacobian import MP
 from jacobian.element import Real
@@ -74,7 +73,7 @@ class IntegratedMotion(HamiltonianMotion):
 
     def _by_variations(self, run: Trajectory) -> Sensitivity:
         inputs, names = self._inputs()
-        matrix = in_field(self.system.field, self._equations.derivatives(run.times, inputs))
+        matrix = rounded(self.system.field, self._equations.derivatives(run.times, inputs))
         return Sensitivity(run.times, matrix, None, self.method, self, names)
 
 

@@ -21,7 +21,7 @@ from integrable.laboratory.motion import LaboratoryMotion
 from integrable.laboratory.tensor import Orientation, cross, matrix, principal, rotation
 from integrable.laboratory.vertical import Vertical
 from integrable.laboratory.ways import Along, Uniform, WideFlow, numbers
-from integrable.phase.body import Body, say_unphysical, triple, unwarned
+from integrable.phase.body import Body, elements, say_unphysical, triple, unwarned
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, SET_UP_DIGITS
 from integrable.phase.state import State
@@ -29,7 +29,7 @@ from integrable.systems.chaplygin_ball import ChaplyginBall
 from integrable.systems.euler_top import EulerTop
 from jacobian import MP, RR
 from jacobian.element import Real, Table, Value
-from jacobian.errors import ArgumentError, entries, shown
+from jacobian.errors import ArgumentError, shown
 from jacobian.fields.protocol import Field
 
 # over MP(digits) a set-up has GUARD digits more than the results, and a flow INNER digits more than the results
@@ -171,11 +171,7 @@ class RollingBall(RigidBody):
         ArgumentError names the wrong argument.
         """
         start, spin = self._start(orientation, omega)
-        given = entries(contact, "contact", "two numbers")
-        if len(given) != 2:
-            raise ArgumentError(f"contact = {shown(contact)}: give two numbers, x and y")
-        K = self._wide
-        origin = tuple(K.coerce(x, f"contact[{i}]") for i, x in enumerate(given))
+        origin = elements(self._wide, contact, "contact", 2, "a sequence of two numbers, x and y,")
         return LaboratoryMotion(self, start, spin, origin)
 
     def _way(self, start: np.ndarray, spin: np.ndarray) -> Any:

@@ -23,8 +23,8 @@ import numpy as np
 from integrable.motion.trajectory import BodyMotion
 from integrable.moving_point.legendre import integral
 from integrable.phase.body import cross, symmetry_axis
+from integrable.phase.brackets import over
 from integrable.phase.state import onto_constraints
-from integrable.steps.guard_digits import widened
 from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
 from jacobian.element import Real
@@ -85,7 +85,7 @@ class Rolling:
         def numbers(*values: Real) -> np.ndarray:
             return np.array([number(x) for x in values])
 
-        system = widened(flow.system, setup.wide)
+        system = over(flow.system, setup.wide)
         body, state = system.body, onto_constraints(system, flow.state)
         _, c, h1, h2 = system.integrals(state)
         length = setup.wide.sqrt(sum(x * x for x in cross(setup.wide, *state.vectors)))

@@ -21,8 +21,8 @@ import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
 from integrable.phase.body import cross, symmetry_axis
+from integrable.phase.brackets import over
 from integrable.phase.state import onto_constraints
-from integrable.steps.guard_digits import widened
 from jacobian import RR
 from jacobian.element import Real
 
@@ -34,7 +34,7 @@ class SymmetricPath:
 
     def __init__(self, flow: BodyMotion) -> None:
         wide, tilt, self._field = flow.setup.wide, flow.setup.tilt, flow.system.field
-        system = widened(flow.system, wide)
+        system = over(flow.system, wide)
         state, body = onto_constraints(system, flow.state), system.body
         gamma, M = state.vectors
         axis = symmetry_axis(body.inertia)

@@ -20,8 +20,8 @@ from integrable.moving_point import addition
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
+from integrable.phase.ways import rounded
 from integrable.torus.panel_rates import Scouts
-from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.protocol import Field
@@ -299,13 +299,6 @@ class RoundedRows:
     def rows(self, points: list[Any]) -> np.ndarray:
         """γ and M of moving points, shape (N, 6)."""
         return rounded(self.field, [(*gamma, *M) for gamma, M in self.many.vectors(points)]).reshape(-1, 6)
-
-
-def rounded(K: Field, values: Sequence[Real] | Sequence[Sequence[Real]]) -> np.ndarray:
-    """Wide numbers as an array of elements of the field K."""
-    if K == RR:
-        return np.array(values, dtype=np.float64)
-    return np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
 
 
 class BodyCarrier(Carrier):

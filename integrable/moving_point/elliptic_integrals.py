@@ -103,8 +103,7 @@ class FirstKind:
             roots = N.sqrt(a) + N.sqrt(b)
             a, b, difference = (a + b) / 2, N.sqrt(a * b), (difference / roots) ** 2 / 2
             if abs(difference) <= N.eps**2 * a:
-                found: Array = total / a
-                return found
+                return total / a
 
     def at(self, x: Array) -> Array:
         return 2 * self.quarter / self._numbers.pi * x + self.swing(x)

@@ -47,8 +47,7 @@ def integral(
         nodes, rows = legendre_rule(K, count)
         series = np.array(rows, dtype=object) @ function(np.array([middle + half * x for x in nodes]))
         if np.abs(series[-2:]).max() * abs(half) <= K.eps * loss * max(1, np.abs(series).max() * abs(half)):
-            result: np.ndarray = 2 * half * series[0]
-            return result
+            return 2 * half * series[0]
         count = 3 * count // 2
         if count > MOST_NODES * K.dps:
             raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")

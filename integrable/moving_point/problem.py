@@ -113,38 +113,12 @@ def upright_motion(
     d), γ and M of the upright motion, r_i = I_i/(I_i + d); (k, s, p, dkH1) of Chaplygin's transformation; and (H1, H2)
     of the given motion.
     """
-    d = given[3]
-    a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
-    length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
-    gamma, M = (given[4] * length, given[5] * length, given[6] * length), (given[7], given[8], given[9])
-    h1, h2 = energies(a, (given[0] * a[0], given[1] * a[1], given[2] * a[2]), d, gamma, M)
-    body, gamma, M, change = made_upright(given, a, gamma, M, (h1, h2), tilted)
-    x, y, u = gamma
-    tilt = x * M[0] + y * M[1] + u * M[2]
-    M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
-    return a, body, gamma, M, change, (h1, h2)
-
-
-def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
-    """Raises ArgumentError for M = 0, and NotRepresentable for a tilted state with M ∥ γ to about this many bits."""
-    (x, y, z), (a, b, c) = gamma, M
-    square = a * a + b * b + c * c
-    if square == 0:
-        raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
-    u, v, w = y * c - z * b, z * a - x * c, x * b - y * a
-    if tilted and (u * u + v * v + w * w) * (1 << 2 * bits) <= square:
-        raise parallel(float(x * a + y * b + z * c))
-
-
-def made_upright(
-    given: Row, a: Vector[Real], gamma: Vector[Real], M: Vector[Real], energies: tuple[Real, Real], tilted: bool
-) -> tuple[Contact, Vector[Real], Vector[Real], tuple[Real, Real, Real, Real]]:
-    """((r_i, d), γ, M) of the upright motion, r_i = I_i/(I_i + d), and the constants (k, s, p, dkH1) of Chaplygin's
-    transformation (:mod:`integrable.phase.upright`).
-    """
     I0, I1, I2, d = given[0], given[1], given[2], given[3]
-    (x, y, u), (m0, m1, m2), (h1, h2), zero = gamma, M, energies, 0 * d
-    k, s, p, rise, e = zero, 1 + zero, 1 + zero, zero, d
+    a = (1 / (I0 + d), 1 / (I1 + d), 1 / (I2 + d))
+    length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
+    x, y, u, m0, m1, m2 = given[4] * length, given[5] * length, given[6] * length, given[7], given[8], given[9]
+    h1, h2 = energies(a, (I0 * a[0], I1 * a[1], I2 * a[2]), d, (x, y, u), (m0, m1, m2))
+    k, s, p, rise, e = 0 * d, 1 + 0 * d, 1 + 0 * d, 0 * d, d
     if tilted:
         c = x * m0 + y * m1 + u * m2
         w0, w1, w2 = y * m2 - u * m1, u * m0 - x * m2, x * m1 - y * m0
@@ -156,7 +130,20 @@ def made_upright(
         )  # fmt: skip
         less = d * k * c
         I0, I1, I2, e = I0 - less, I1 - less, I2 - less, d * rest
-    return ((I0 * a[0], I1 * a[1], I2 * a[2]), e), (x, y, u), (m0, m1, m2), (k, s, p, rise)
+    tilt, body = x * m0 + y * m1 + u * m2, ((I0 * a[0], I1 * a[1], I2 * a[2]), e)
+    M = (m0 - tilt * x, m1 - tilt * y, m2 - tilt * u)
+    return a, body, (x, y, u), M, (k, s, p, rise), (h1, h2)
+
+
+def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
+    """Raises ArgumentError for M = 0, and NotRepresentable for a tilted state with M ∥ γ to about this many bits."""
+    (x, y, z), (a, b, c) = gamma, M
+    square = a * a + b * b + c * c
+    if square == 0:
+        raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
+    u, v, w = y * c - z * b, z * a - x * c, x * b - y * a
+    if tilted and (u * u + v * v + w * w) * (1 << 2 * bits) <= square:
+        raise parallel(float(x * a + y * b + z * c))
 
 
 def put_curve(given: Row, a: Vector[Real], body: Contact, gamma: Vector[Real], M: Vector[Real], out: Row) -> Real:

@@ -127,8 +127,7 @@ def clenshaw(coefficients: Row, x: float) -> float:
     for k in range(len(coefficients) - 1, 0, -1):
         # in this order the next iteration waits for one instruction only
         b1, b2 = (coefficients[k] - b2) + 2 * x * b1, b1
-    result: float = coefficients[0] + x * b1 - b2
-    return result
+    return coefficients[0] + x * b1 - b2
 
 
 def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) -> None:

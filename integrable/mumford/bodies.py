@@ -17,27 +17,27 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, hypot, log10
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from integrable.mumford.body_clocks import SPARE, SeriesClock, WalkedClock
+from integrable.mumford.body_clocks import SPARE, RateSource, WalkedClock
 from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
 from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
+from integrable.phase.enclosure import Enclosure
 from integrable.phase.ways import Cost
 from integrable.portrait.point_ovals import Form, Separation
 from integrable.torus.lattice import RateCurve
+from integrable.torus.long_clock import LongClock
+from integrable.torus.oval_modes import modes_of_rate
 from jacobian import MP, RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields.protocol import Field
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
-
-if TYPE_CHECKING:
-    from integrable.phase.enclosure import Enclosure
 
 # guard digits of τ; far times get more, in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4
@@ -62,7 +62,7 @@ class BodyFlow(MumfordFlow):
     _clock = None
 
     @cached_property
-    def _clocks(self) -> dict[int, SeriesClock | WalkedClock]:
+    def _clocks(self) -> dict[int, LongClock | WalkedClock]:
         """The last clock; its key is its number of digits."""
         return {}
 
@@ -78,8 +78,8 @@ class BodyFlow(MumfordFlow):
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
         # the clock is kept in a variable, since another thread may replace the dictionary
         clock = self._clocks.get(digits) or self._made(digits)
-        self._clocks = {digits: clock}
-        return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
+        vars(self)["_clocks"] = {digits: clock}
+        return clock.tau(times)
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         if in_tau:
@@ -89,11 +89,13 @@ class BodyFlow(MumfordFlow):
             "values of τ, dt = √s dτ"
         )
 
-    def _made(self, digits: int) -> SeriesClock | WalkedClock:
+    def _made(self, digits: int) -> LongClock | WalkedClock:
         K = MP(digits + SPARE)
         try:
             wide = MP(digits + SPARE + self.system.close_digits(MP(digits + MOST_SHARED)))
-            return SeriesClock(wide, *self.system._rate_curve(wide, self._inner(wide)), digits)
+            curve, (first, second) = self.system._rate_curve(wide, self._inner(wide))
+            source, unit = RateSource(curve, wide, BareReals(wide.context.prec)), 1 / abs(first)
+            return LongClock(modes_of_rate(source, digits, (first * unit, second * unit)), digits, wide, unit)
         except PrecisionLoss:
             # the ovals meet or nearly meet, and no Fourier series resolves t(τ)
             reals = BareReals(K.context.prec)
@@ -214,7 +216,7 @@ class BodySystem(SurfaceSystem):
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
     def _rate_curve(self, N: FormulaField, state: Point) -> tuple[RateCurve, tuple[Real, Real]]:
-        """The motion on Y² = (X − ζ)Π(α_i − X)(1 − X) for a :class:`SeriesClock`, and d/dτ of Σ∫dX/Y and Σ∫X dX/Y.
+        """The motion on Y² = (X − ζ)Π(α_i − X)(1 − X) for a :class:`LongClock`, and d/dτ of Σ∫dX/Y and Σ∫X dX/Y.
 
         X = 1 − l(x)/L with L = 2 max c_i; ζ and α_i are the values of X at H₁/H₂ and at the a_i. The ``start`` of the
         result is U_0, U_1, V_0, V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where dt/dτ = 1/√Σσ_i².

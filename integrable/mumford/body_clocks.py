@@ -14,8 +14,6 @@ from typing import NamedTuple
 from integrable.moving_point.addition import integrate_series
 from integrable.moving_point.legendre import LegendreSeries, place_on
 from integrable.torus.lattice import RateCurve
-from integrable.torus.long_clock import LongClock
-from integrable.torus.oval_modes import modes_of_rate
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
@@ -33,34 +31,10 @@ class RateSource(NamedTuple):
     problem: RateCurve
     wide: MultiprecisionField
     reals: BareReals
-    digits: int
 
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
         """Never called: points of the motion would determine a sign on which dt/dτ does not depend."""
         raise NotImplementedError
-
-
-class SeriesClock:
-    """τ(t) of a motion on the curve of ``problem`` over the field ``wide``, to ``digits`` digits.
-
-    ``direction`` is d/dτ of the sums ∫dX/Y and ∫XdX/Y over both points. PrecisionLoss if the torus is not compact
-    because the ovals meet.
-    """
-
-    def __init__(
-        self, wide: MultiprecisionField, problem: RateCurve, direction: tuple[Real, Real], digits: int
-    ) -> None:
-        source = RateSource(problem, wide, BareReals(wide.context.prec), digits)
-        # Newton's method for τ needs phases that change little per unit time, so the unit is 1/|direction[0]|
-        first, second = direction
-        self._unit = 1 / abs(first)
-        direction = first * self._unit, second * self._unit
-        self._clock = LongClock(modes_of_rate(source, digits, direction), digits, wide)
-
-    def tau(self, times: list[Real]) -> list[Real]:
-        """τ at each of the times, in the clock's field."""
-        coerce = self._clock.wide.coerce
-        return [tau * self._unit for tau in self._clock.tau([coerce(t) / self._unit for t in times])]
 
 
 class WalkedClock:

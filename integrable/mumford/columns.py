@@ -31,6 +31,12 @@ class Column:
         """Converts a number of any kind to a column; a column is returned unchanged."""
         return x if isinstance(x, Column) else Column(*split(x))
 
+    def __eq__(self, other: Any) -> bool:
+        other = Column.of(other)
+        return bool(np.all(self.hi == other.hi) and np.all(self.lo == other.lo))
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __add__(self, other: Column) -> Column:
         other = Column.of(other)
         high, low = _sum(self.hi, other.hi)

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from math import atan2, pi, prod
 from typing import NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.mumford.branch_points import APART, SMALL, all_real, coincident, long_roots
@@ -110,8 +111,6 @@ class EllipticOval:
 
     def at(self, turns: Real) -> tuple[Real, Real, Real]:
         """The roots R₁, R₂ and R₃ at a phase."""
-        import gmpy2
-
         angle = half_turn() * (turns - 2 * gmpy2.rint(turns / 2))
         found = theta_quotients(self.thetas.table, gmpy2.cos(angle), gmpy2.sin(angle))
         one, two, three = (factor * x for factor, x in zip(self.factors, found, strict=True))
@@ -173,7 +172,7 @@ class EllipticTorus(FarTimes):
             roots = long_roots(N, start.f, ends)
             if not all_real(roots) or coincident(N, roots):
                 raise PrecisionLoss("branch points are not real, or not told apart")
-            model = _model(N, start, roots)
+            model = _model(start, roots)
             low, high = max(model.place - model.first, N.zero), max(model.first + model.swing - model.place, N.zero)
             side = 1 if model.height * model.pace >= 0 else -1
             oval = EllipticOval(N, model.swing, model.above, (side * N.sqrt(low), N.sqrt(high)))
@@ -204,7 +203,7 @@ class EllipticTorus(FarTimes):
         return Extended((-x, Column(1.0)), (y,), data)
 
 
-def _model(N: LongField, start: Start, roots: Sequence[Real]) -> CubicModel:
+def _model(start: Start, roots: Sequence[Real]) -> CubicModel:
     """The cubic model of a start; ``roots`` are the roots of f in ascending order."""
     lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
     if len(roots) == 4:
@@ -256,8 +255,6 @@ def part_of_round(N: LongField, levels: list[tuple[Real, Real]], sine: Real, cos
 
     ``levels`` are the :func:`means` of 1 and k'.
     """
-    import gmpy2
-
     size = N.sqrt(sine * sine + cosine * cosine)
     # ``rough`` is the angle in floats, which counts the full turns that (s, c) does not show
     s, c = sine / size, cosine / size
@@ -317,8 +314,6 @@ class ThetaTable(NamedTuple):
 
 def theta_table(N: LongField, k: Real, k1: Real) -> ThetaTable:
     """The ThetaTable of the modulus k, k² + k₁² = 1."""
-    import gmpy2
-
     levels, others = means(N, k1), means(N, k) if k else []
     # e^(−πK'/K), where K and K' are proportional to 1/mean(1, k₁) and 1/mean(1, k)
     nome = gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0]) if k else N.zero

@@ -13,6 +13,8 @@ from functools import partial
 from math import frexp
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from integrable.moving_point.balls import Balls
 from integrable.mumford.motion import Placed
 from integrable.mumford.translations import GroupTranslations, reference
@@ -49,8 +51,6 @@ class EnclosedTranslations(GroupTranslations):
 
 def middles_of_ovals(f: poly.Poly) -> list[float]:
     """The midpoints of the bounded intervals where f > 0, between real roots computed in floats."""
-    import numpy as np
-
     size = max(abs(c) for c in f)
     scaled = [float(c / size) for c in f[::-1]]
     found = np.roots(scaled)

@@ -10,6 +10,9 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
+import numpy as np
+
+from integrable.mumford.columns import Column, Columns
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import long_digits
 from integrable.phase.run import ROUNDED, Run
@@ -18,14 +21,12 @@ from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Numbers, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
-from jacobian.immutable import at_once, quick_property, replaced
+from jacobian.immutable import Immutable, at_once, quick_property
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
-    import numpy as np
-
     Arrays = Sequence[np.ndarray]
 
     from integrable.mumford.elliptic_torus import EllipticTorus
@@ -87,25 +88,19 @@ class Path(Run[Point[Any]]):
         return Point(*map(tuple, self._rows[row].reshape(2, -1).tolist()))
 
 
-class MumfordFlow(StateFlow[Path]):
+class MumfordFlow(StateFlow[Path], Immutable):
     """The motion of one state, returned by ``system.flow(state)``; ``at(times)`` evaluates it."""
 
     _cost = BY_ADDITIONS
 
+    system: Any
+    digits: int
+    start: Point
+    tolerance: float | None
+
+    @at_once
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
-        self.digits = long_digits(system.field)
-        self.system = system
-        self.start = state
-        self.tolerance = tolerance
-
-    def __reduce__(self) -> tuple[type[MumfordFlow], tuple[Any, ...]]:
-        return type(self), (self.system, self.start, self.tolerance)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, MumfordFlow) and self.__reduce__() == other.__reduce__()
-
-    def __hash__(self) -> int:
-        return hash(self.__reduce__())
+        vars(self).update(digits=long_digits(system.field), system=system, start=state, tolerance=tolerance)
 
     @quick_property
     def _genus(self) -> int:
@@ -211,8 +206,6 @@ class MumfordFlow(StateFlow[Path]):
         """The states of a motion in a coordinate plane, from the system with the axes of the plane alone. In the whole
         system its pairs have points at double points of the curve.
         """
-        import numpy as np
-
         if self._of_moving_axes is None:
             return None
         flow, axes = self._of_moving_axes
@@ -242,8 +235,6 @@ class MumfordFlow(StateFlow[Path]):
             return self._by_rows(times, self._summed, TORUS)
 
     def _by_rows(self, times: np.ndarray, row: Callable[[Real], Vectors], way: str) -> StatesReached:
-        import numpy as np
-
         K, places = self.system.field, self._places(times.tolist())
         states = [[[element(K, x) for x in part] for part in row(place)] for place in places]
         found = np.array(states, dtype=float if K == RR else object).reshape(len(times), 2, self.system.size)
@@ -363,9 +354,8 @@ class MumfordFlow(StateFlow[Path]):
         return largest_rate([floats.system.linearized(floats.start)])
 
     def _through(self, numbers: Iterable[Real], field: Any) -> Self:
-        n, c, given = self.system.size, len(self.system.constants), tuple(map(field.coerce, numbers))
-        q, p, constants, parameters = given[:n], given[n : 2 * n], given[2 * n : 2 * n + c], given[2 * n + c :]
-        return type(self)(replaced(self.system, field=field, constants=constants, parameters=parameters), Point(q, p))
+        n, given = self.system.size, tuple(map(field.coerce, numbers))
+        return type(self)(self.system._of(field, given[2 * n :]), Point(given[:n], given[n : 2 * n]))
 
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
         """:meth:`_separated` of a flow over RR; NotRepresentable over another field, with ``name`` in the message."""
@@ -382,10 +372,6 @@ class MumfordFlow(StateFlow[Path]):
         """The function ``states(halves, turned)`` that returns q and p at many points of the torus, in floats:
         ``halves`` are as in :meth:`_states_on`, ``turned`` are the angles about an axis.
         """
-        import numpy as np
-
-        from integrable.mumford.columns import Column, Columns
-
         K, read = Columns(), self._states_on(N, torus)
 
         def states(halves: list[tuple[np.ndarray, np.ndarray]], turned: Arrays) -> tuple[Arrays, Arrays]:
@@ -483,7 +469,6 @@ class MumfordFlow(StateFlow[Path]):
         return ThetaTorus(self._place)
 
     def _made_phase_torus(self) -> PhaseTorus:
-        from integrable.mumford.columns import Columns
         from integrable.mumford.phase_torus import PhaseTorus
 
         with LongField(BITS_OF_TORUS) as N:
@@ -496,8 +481,6 @@ class MumfordFlow(StateFlow[Path]):
 
         Where series do not reach or lose digits, the comparison is with additions in long numbers.
         """
-        import numpy as np
-
         times = torus.witnesses
         true = filled((self._walked, self._by_additions), times).states
         with np.errstate(invalid="ignore"):
@@ -515,10 +498,6 @@ class MumfordFlow(StateFlow[Path]):
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
         """The states that a torus gives at the N ``times``, shape (N, 2, n)."""
-        import numpy as np
-
-        from integrable.mumford.columns import Column, Columns
-
         D = torus.at(times)
         if self._recorded is not None:
             states: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)

@@ -19,7 +19,8 @@ from integrable.mumford.fields import padded
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of, elements
+from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of
+from integrable.phase.body import elements
 from integrable.portrait.point_ovals import Form
 from jacobian import poly
 from jacobian.element import FormulaField, Real

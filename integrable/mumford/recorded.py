@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from math import log
 from typing import Any
 
+import gmpy2
 import numpy as np
 
 from integrable.moving_point.addition import Row
@@ -185,8 +186,6 @@ class LongTape:
     """The nodes of a tape on which its results depend, for evaluation in long numbers."""
 
     def __init__(self, tape: Tape) -> None:
-        import gmpy2
-
         functions = {ROOT: gmpy2.sqrt, GROWTH: gmpy2.expm1, EXPONENTIAL: gmpy2.exp, LOGARITHM: gmpy2.log}
         # the node of a function of one number has this number both as its left and as its right operand
         operations = OPERATIONS | {kind: lambda x, _, f=f: f(x) for kind, f in functions.items()}

@@ -13,10 +13,12 @@ from collections.abc import Callable, Iterable, Sequence
 from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple, Self, TypeVar
 
+import numpy as np
+
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element
 from integrable.mumford.motion import Start, settled_digits
-from integrable.phase.body import finite_floats
+from integrable.phase.body import elements
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
@@ -28,7 +30,6 @@ from jacobian.errors import (
     JacobianError,
     NotRepresentable,
     PrecisionLoss,
-    entries,
     one_of,
     shown,
     whole,
@@ -39,8 +40,6 @@ from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.mumford.recorded import PairFormulas
     from integrable.series.kinds import Kind
 
@@ -79,14 +78,8 @@ class MumfordSystem(Made):
     def _set_up(self, field: Field, values: Iterable[Value], argument: str, least: int) -> None:
         """Sets ``field`` and ``constants``; the constants must be at least ``least`` different numbers."""
         wanted = f"a sequence of at least {least} different numbers"
-        if field is RR and finite_floats(values):
-            constants, different = values, len(set(values)) == len(values)
-        else:
-            check_field(field, "field")
-            given = entries(values, argument, wanted)
-            constants = tuple(field.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
-            different = not any(x == y for i, x in enumerate(constants) for y in constants[:i])
-        if len(constants) < least or not different:
+        constants = elements(check_field(field, "field"), values, argument, None, wanted)
+        if len(constants) < least or any(x == y for i, x in enumerate(constants) for y in constants[:i]):
             raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
         vars(self).update(field=field, constants=constants, size=len(constants))
 
@@ -195,11 +188,12 @@ class MumfordSystem(Made):
 
     def over(self, field: Field) -> Self:
         """The same system over another field, to which its constants and parameters are converted."""
-        own = {
-            name: tuple(map(check_field(field, "field").coerce, getattr(self, name)))
-            for name in ("constants", "parameters")
-        }
-        return replaced(self, field=field, **own)
+        return self._of(field, tuple(map(check_field(field, "field").coerce, (*self.constants, *self.parameters))))
+
+    def _of(self, field: FormulaField, numbers: Sequence[Any]) -> Self:
+        """The system whose constants and parameters are ``numbers``, unchecked elements of ``field``."""
+        count = len(self.constants)
+        return replaced(self, field=field, constants=tuple(numbers[:count]), parameters=tuple(numbers[count:]))
 
     @property
     def _varied(self) -> dict[str, float]:
@@ -299,8 +293,6 @@ class MumfordSystem(Made):
 
     def linearized(self, state: Point) -> np.ndarray:
         """The derivatives of (q', p') with respect to (q, p) at a state, shape (2n, 2n), exact over an exact field."""
-        import numpy as np
-
         n = self.size
         jets = JetField(self.field, 2 * n)
         both = jets.variables((*state.q, *state.p))
@@ -318,9 +310,8 @@ class MumfordSystem(Made):
         """The system with other constants and parameters, except that those parameters are 0 that are not ``standing``,
         by default those that are 0 already: their terms may divide by quantities that vanish.
         """
-        count, standing = len(self.constants), self._standing if standing is None else standing
-        further = (x if stands else N.zero for x, stands in zip(numbers[count:], standing, strict=True))
-        return replaced(self, field=N, constants=tuple(numbers[:count]), parameters=tuple(further))
+        standing = (*(True for _ in self.constants), *(self._standing if standing is None else standing))
+        return self._of(N, [x if stands else N.zero for x, stands in zip(numbers, standing, strict=True)])
 
     @property
     def _standing(self) -> tuple[bool, ...]:
@@ -514,17 +505,6 @@ class MumfordSystem(Made):
             rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
             total = [x + weight * y for x, y in zip(total, rest, strict=True)]
         return tuple(total)
-
-
-def elements(K: FormulaField, values: Iterable[Value], argument: str, count: int, wanted: str = "") -> tuple[Real, ...]:
-    """The elements of ``values``, which must be ``count`` numbers; ``wanted`` describes them in an ArgumentError."""
-    if K is RR and finite_floats(values) and len(values) == count:
-        return values
-    wanted = wanted or f"a sequence of {count} numbers"
-    given = entries(values, argument, wanted)
-    if len(given) != count:
-        raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
-    return tuple(K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
 
 
 def _in_range(found: object) -> bool:

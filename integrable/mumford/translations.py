@@ -71,9 +71,7 @@ class GroupTranslations:
         return reference(self.group)
 
     def carried(self, D: Extended, tau: Real) -> Extended:
-        """The divisor D + T(τ)."""
-        if tau == 0:
-            return D
+        """The divisor D + T(τ), τ ≠ 0."""
         # r = τ − count·h is in [h/2, 3h/2), so that E(r) is not too close to E
         count = self.field.nearest(tau / self.unit) - 1
         place, k = count, 0

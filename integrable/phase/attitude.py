@@ -7,12 +7,9 @@ part of M, y = z × x.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from integrable.phase.body import Body
+from integrable.phase.body import Body
 
 
 def angular_velocities(body: Body, gamma: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -197,6 +197,21 @@ def finite_floats(values: object) -> TypeGuard[tuple[float, ...]]:
     return type(values) is tuple and {*map(type, values)} == {float} and isfinite(sum(values))
 
 
+def elements(
+    K: FormulaField, values: Iterable[Value], argument: str, count: int | None, wanted: str = ""
+) -> tuple[Real, ...]:
+    """The elements of ``values``, which must be ``count`` numbers, or any number of them for None; ``wanted`` describes
+    them in an ArgumentError.
+    """
+    if K is RR and finite_floats(values) and count in (len(values), None):
+        return values
+    wanted = wanted or f"a sequence of {count} numbers"
+    given = entries(values, argument, wanted)
+    if count not in (len(given), None):
+        raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
+    return tuple(K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
+
+
 def triple(field: Field, values: Any, argument: str) -> Vector:
     """The three given values as elements of the field; other input raises an ArgumentError that names ``argument``."""
     if getattr(values, "shape", None) == (3,) and hasattr(values, "tolist"):
@@ -206,10 +221,7 @@ def triple(field: Field, values: Any, argument: str) -> Vector:
         # names such as "M[0]", for messages, are not made here: they would take a large part of a short run's time
         if type(x) is type(y) is type(z) is float and isfinite(x + y + z):
             return x, y, z
-    items = entries(values, argument, "a sequence of three numbers")
-    if len(items) != 3:
-        raise ArgumentError(f"{argument} = {shown(values)}: give three numbers")
-    x, y, z = (field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(items))
+    x, y, z = elements(field, values, argument, 3, "a sequence of three numbers")
     return x, y, z
 
 

@@ -105,10 +105,11 @@ def _difference(function: Callable[[Variables], Sequence[Real]], point: Variable
 
 
 def over(system: Space, field: Any) -> Space:
-    """A copy of the system with its body over another field, such as jets over its own field."""
+    """The same system over another field, such as jets over its own field, to which its numbers are converted."""
     if hasattr(system, "over"):
         return system.over(field)
-    return replaced(system, body=replace(system.body, field=field))
+    body = system.body
+    return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
 
 def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:

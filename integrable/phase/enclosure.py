@@ -49,10 +49,10 @@ class Enclosure(Record):
     """
 
     def __init__(self, times: Sequence[arb] | np.ndarray | None, rows: Sequence[Row], size: int = 3) -> None:
-        self.times = None if times is None else _array(times)
-        self.tau = _array([row[0] for row in rows])
-        self.q = _array([x for row in rows for x in row[1]]).reshape(len(rows), size)
-        self.p = _array([x for row in rows for x in row[2]]).reshape(len(rows), size)
+        self.times = None if times is None else np.array(times, dtype=object)
+        self.tau = np.array([row[0] for row in rows], dtype=object)
+        self.q = np.array([x for row in rows for x in row[1]], dtype=object).reshape(len(rows), size)
+        self.p = np.array([x for row in rows for x in row[2]], dtype=object).reshape(len(rows), size)
         self.radius = np.array([row[3] for row in rows], dtype=float)
 
     @property
@@ -252,9 +252,3 @@ def _rebuilt(size: int, times: Column | None, tau: Column, first: Column, second
     vectors = (zip(*[iter(balls(values))] * size, strict=True) for values in (first, second))
     rows = list(zip(balls(tau), *vectors, radius, strict=True))
     return Enclosure(None if times is None else balls(times), rows, size)
-
-
-def _array(values: Sequence[arb] | np.ndarray) -> np.ndarray:
-    result = np.empty(len(values), dtype=object)
-    result[:] = values
-    return result

@@ -16,6 +16,18 @@ from jacobian.element import Real, Rng
 from jacobian.errors import FieldError, NotRepresentable, shown, written
 
 
+def _operators(name: str) -> tuple[Callable[[Jet, Jet | Real], Jet], Callable[[Jet, Jet | Real], Jet]]:
+    """The methods x, y ↦ x op y and x, y ↦ y op x of :class:`Jet`, where op is the method ``name`` of the field."""
+
+    def operator(x: Jet, other: Jet | Real, reflected: bool = False) -> Jet:
+        y = x._other(other)
+        if y is None:
+            return NotImplemented
+        return getattr(x.field, name)(*((y, x) if reflected else (x, y)))
+
+    return operator, lambda x, other: operator(x, other, True)
+
+
 class Jet:
     """A jet: its ``value``, and its ``slopes`` along the directions of a :class:`JetField`.
 
@@ -52,33 +64,10 @@ class Jet:
             return self.field.integer(other)
         return self.field.coerce(other) if isinstance(other, float) and not self.field.exact else None
 
-    def __add__(self, other: Jet | Real) -> Jet:
-        y = self._other(other)
-        return NotImplemented if y is None else self.field.add(self, y)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Jet | Real) -> Jet:
-        y = self._other(other)
-        return NotImplemented if y is None else self.field.sub(self, y)
-
-    def __rsub__(self, other: Jet | Real) -> Jet:
-        y = self._other(other)
-        return NotImplemented if y is None else self.field.sub(y, self)
-
-    def __mul__(self, other: Jet | Real) -> Jet:
-        y = self._other(other)
-        return NotImplemented if y is None else self.field.mul(self, y)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Jet | Real) -> Jet:
-        y = self._other(other)
-        return NotImplemented if y is None else self.field.div(self, y)
-
-    def __rtruediv__(self, other: Jet | Real) -> Jet:
-        y = self._other(other)
-        return NotImplemented if y is None else self.field.div(y, self)
+    __add__, __radd__ = _operators("add")
+    __sub__, __rsub__ = _operators("sub")
+    __mul__, __rmul__ = _operators("mul")
+    __truediv__, __rtruediv__ = _operators("div")
 
     def __neg__(self) -> Jet:
         return self.field.neg(self)

@@ -12,11 +12,11 @@ Points are tuples (u1, u2, p1, p2); ``body`` may be over jets.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import inf
 from typing import Any
 
-from integrable.phase.body import Body
+from integrable.phase.body import Body, elements
 from integrable.phase.brackets import Matrix, Variables, jacobian_matrix, weighted_matrix
 from integrable.phase.separation import phi
 from jacobian import linear, poly
@@ -29,8 +29,10 @@ MOST_INDEX = 10**6
 
 def eigenvalues(body: Body, point: tuple[Real, Real, Real, Real]) -> tuple[Real, Real]:
     """The eigenvalues (λ1, λ2) of the recursion operator at (u1, u2, p1, p2): λ_k = φ(u_k)p_k²."""
-    u1, u2, p1, p2 = _four(body, point)
+    if not isinstance(body, Body):
+        raise ArgumentError(f"body = {shown(body)}: a Body is needed, such as system.body")
     K = body.field
+    u1, u2, p1, p2 = elements(K, point, "point", 4, "a sequence (u1, u2, p1, p2)")
     return K.mul(phi(body, u1), K.mul(p1, p1)), K.mul(phi(body, u2), K.mul(p2, p2))
 
 
@@ -94,12 +96,3 @@ def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:
         raise ArgumentError(f"matrix = {shown(matrix)}: {wanted} is needed")
     rows = [[K.coerce(x, f"matrix[{i}]") for x in row] for i, row in enumerate(given)]
     return len(linear.echelon(K, rows, len(rows[0]) if rows else 0))
-
-
-def _four(body: Body, point: Sequence[Real]) -> list[Real]:
-    if not isinstance(body, Body):
-        raise ArgumentError(f"body = {shown(body)}: a Body is needed, such as system.body")
-    given = entries(point, "point", "a sequence (u1, u2, p1, p2)")
-    if len(given) != 4:
-        raise ArgumentError(f"point = {shown(given)}: a sequence (u1, u2, p1, p2) is needed")
-    return [body.field.coerce(x, f"point[{i}]") for i, x in enumerate(given)]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Generic
 
-from integrable.phase.body import Body, Integrals, Vector, cross, triple
+from integrable.phase.body import Body, Integrals, Vector, cross, elements, triple
 from integrable.phase.made import Made
 from integrable.phase.state import State, check_state
 from jacobian import Field, poly
 from jacobian.element import Element, Value
-from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, entries, flag, shown, written
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, flag, shown, written
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -241,7 +241,7 @@ class PhaseSpace(Made, Generic[Element]):
         from integrable.phase import separation
 
         K: Field = self.field
-        (u1, u2), (p1, p2) = _pair(K, u, "u"), _pair(K, p, "p")
+        (u1, u2), (p1, p2) = (elements(K, x, name, 2, "a sequence of two numbers") for x, name in ((u, "u"), (p, "p")))
         if like is not None:
             like = self._checked(like)
         return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
@@ -270,13 +270,6 @@ def check_moving(K: Field[Element], h2: Element) -> None:
     """Raises ArgumentError if H2 = (M, M) is 0."""
     if h2 == K.zero:
         raise ArgumentError(f"H2 = {written(h2)}: (M, M) must not vanish; a body at rest has no curve")
-
-
-def _pair(K: Field[Element], values: Iterable[Value], argument: str) -> list[Element]:
-    given = entries(values, argument, "a sequence of two numbers")
-    if len(given) != 2:
-        raise ArgumentError(f"{argument} = {shown(values)}: give two numbers")
-    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given)]
 
 
 def _distance(K: Any, x: Any, y: Any) -> Any:

@@ -120,6 +120,13 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
     return np.array(items, dtype=FLOATS if field == RR else object)
 
 
+def rounded(field: Field, values: Any) -> np.ndarray:
+    """An array of numbers of any kind, or nested sequences of them, as an array of numbers of RR or MP(digits)."""
+    if field == RR:
+        return np.array(values, dtype=FLOATS)
+    return np.frompyfunc(field.coerce, 1, 1)(np.array(values, dtype=object))
+
+
 def _finite_sum(values: list[Any]) -> bool:
     """Whether the sum of a list is a finite float. Then all of its values are finite real numbers."""
     try:

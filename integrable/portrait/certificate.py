@@ -11,6 +11,7 @@ import numpy as np
 from integrable.moving_point.losses import digits_of
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.run import Run
+from integrable.phase.ways import rounded
 from jacobian import MP, RR
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss, whole, written
@@ -57,8 +58,7 @@ def agreement(
                 f"times[{i}] = {written(times[i])}: computed with {own} and with {more} digits the states agree to "
                 f"{agreeing} digits, not to {wanted}; use more digits"
             )
-    error = np.array(errors, dtype=float) if field == RR else np.array([K.coerce(e) for e in errors], dtype=object)
-    return error, np.array(agree, dtype=int)
+    return rounded(RR if field == RR else K, errors), np.array(agree, dtype=int)
 
 
 def _off(K: MultiprecisionField, found: Iterable[Real], true: Iterable[Real], unit: Real | None = None) -> Real:

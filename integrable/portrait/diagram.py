@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from integrable.portrait.ovals import Level, Ovals
+from integrable.portrait.pictures import diagram
 from jacobian import RR
 from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, floats, shown, whole
 from jacobian.immutable import Record
+from jacobian.notebook import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,8 +68,7 @@ class Diagram(Record):
         """Whether motions with (γ, M)²/H2 = X and H1/H2 = Z exist; the arguments are arrays that broadcast."""
         X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
-        inside: np.ndarray = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
-        return inside
+        return (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
 
     def divergence(self, X: Numbers) -> np.ndarray:
         """The exponent χ, per unit of t and of √H2, with which nearby motions leave the unstable rotation; 0 ≤ X ≤ 1.
@@ -80,8 +81,7 @@ class Diagram(Record):
         if not ((values >= 0) & (values <= 1)).all():
             raise ArgumentError(f"X = {shown(X)}: numbers from 0 to 1 are needed, X = (γ, M)²/H2")
         rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
-        found: np.ndarray = np.array(rates).reshape(values.shape)
-        return found
+        return np.array(rates).reshape(values.shape)
 
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(X, Z, rotation number) on a grid in X and ζ = H1/H2 of the upright body, for contours in the diagram.
@@ -103,13 +103,9 @@ class Diagram(Record):
 
     def figure(self, *states: State) -> Figure:
         """A picture: contours of the rotation number, a line for the rotations about each axis, points of states."""
-        from integrable.portrait.pictures import diagram
-
         return diagram(self, states)
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import table
-
         ends = ((*start, *end) for start, end in self.lines.tolist())
         rows = [(moment, *end) for moment, end in zip(self.system.inertia, ends, strict=True)]
         return table(repr(self), ["rotations about the axis of", "X", "Z", "to X", "Z"], rows)

@@ -119,8 +119,7 @@ def _polished(
             # rounding may move a zero at the start or the end out of the interval
             near = field.eps * ROUNDING * halves
             right &= np.array([first - x <= t <= last + x for t, x in zip(times, near, strict=True)], dtype=bool)
-            kept: np.ndarray = np.clip(times[right], first, last)
-            return kept
+            return np.clip(times[right], first, last)
         times = np.where(moving, times - steps, times)
         before = np.where(moving, sizes, 0.0)
     raise PrecisionLoss(f"after {MOST_STEPS} steps of Newton a zero near t = {float(times[0])} has not settled")

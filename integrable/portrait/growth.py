@@ -18,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from integrable.phase.ways import rounded
 from integrable.portrait.differences import GUARD, differences
-from integrable.portrait.sensitivity import expected, in_field
-from integrable.portrait.variations import commuting_spin
+from integrable.portrait.sensitivity import expected, states_through
+from integrable.portrait.variations import commuting_spin, moved
 from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
@@ -48,10 +49,7 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
         turned = [(x - y + K.one / 2) % 1 for x, y in zip(found.angles, start, strict=True)]
         return np.array([turned, found.actions, found.frequencies], dtype=object)
 
-    def states(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
-        return np.hstack(flow._through(numbers, K)._states(times))
-
-    by_start = differences(states, inputs, digits, size)[:, :, :width]
+    by_start = differences(states_through(flow, times), inputs, digits, size)[:, :, :width]
     angles, actions, slopes = differences(numbers_of, inputs, digits, size)
     # of all changes of the start that change one phase and no other phase or action, the least is taken
     change = np.vstack([angles, actions])[:, :width]
@@ -60,11 +58,13 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     if None in columns:
         raise PrecisionLoss("secular: the phases and the actions of this motion are not independent")
     moved = by_start @ (change.T @ np.array(columns, dtype=object).T)
-    return in_field(flow.system.field, times[:, None, None] * (moved @ slopes))
+    return rounded(flow.system.field, times[:, None, None] * (moved @ slopes))
 
 
 def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
-    """The secular part of the derivatives of γ and M at ``times``, for a ball or top: shape (N, 6, 10)."""
+    """The secular part of the derivatives of γ and M at ``times``, for a ball or top: shape (N, 6, 10). PrecisionLoss
+    where the modes of 1/g are too many.
+    """
     # a motion has two phases unless a point of its divisor is at rest or the ovals have met
     if flow.portrait.region not in ("low", "high"):
         raise NotRepresentable("secular: these are derivatives of motions that lie on no torus of dimension two")
@@ -74,27 +74,17 @@ def growth_of_body(flow: Any, times: np.ndarray) -> np.ndarray:
         return np.array([flow._through(numbers, K).portrait.frequencies], dtype=object)
 
     slopes = differences(frequencies, inputs, digits, size)[0]
-    there = flow._through(flow._numbers, MP(digits + ceil(log10(size)) + GUARD))
-    return in_field(flow.system.field, _growth(there.at(times), slopes, digits))
-
-
-def _growth(run: Any, slopes: np.ndarray, digits: int) -> np.ndarray:
-    """The secular part at the times of ``run``, a Trajectory over MP. ``slopes``, shape (2, 10), are the derivatives of
-    both frequencies. PrecisionLoss where the modes of 1/g are too many.
-    """
+    run = flow._through(flow._numbers, MP(digits + ceil(log10(size)) + GUARD)).at(times)
     body, portrait = run.system.body, run.flow.portrait
     ovals, (f1, f2) = portrait.ovals, portrait.frequencies
     e1, e2 = ovals.B0 / (2 * ovals.D), -ovals.A0 / (2 * ovals.D)
     determinant = f1 * e2 - f2 * e1
     alpha, beta = (e2 * slopes[0] - e1 * slopes[1]) / determinant, (f1 * slopes[1] - f2 * slopes[0]) / determinant
-    x = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
-    if not body.rolls:
-        Y = np.hstack([np.cross(run.gamma, run.M), 0 * run.M])
-    else:
-        spin = commuting_spin(body, run.gamma, run.M)
-        Y = np.hstack([np.cross(run.gamma, spin), np.cross(run.M, spin)]) - _lean(run, (e1, e2), digits)[:, None] * x
-    found: np.ndarray = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
-    return found
+    x, Y = (moved(run._rows, spin) for spin in (run.omega, commuting_spin(body, run.gamma, run.M)))
+    if body.rolls:
+        Y = Y - _lean(run, (e1, e2), digits)[:, None] * x
+    secular = run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
+    return rounded(flow.system.field, secular)
 
 
 def _lean(run: Any, rates: tuple[Real, Real], digits: int) -> np.ndarray:

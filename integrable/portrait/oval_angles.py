@@ -46,15 +46,13 @@ class OvalAngles(NamedTuple):
         grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
 
         def still(sums: Array) -> Array:
-            found: Array = np.delete(sums - sums[:, [grows]] * (rates / rates[grows]), grows, axis=1)
-            return found
+            return np.delete(sums - sums[:, [grows]] * (rates / rates[grows]), grows, axis=1)
 
         rest = OvalAngles(still(self.means[others]), tuple(still(self.waves[k]) for k in others))
 
         def late(phases: Array) -> Array:
             angles = np.insert(rest._at(phases[:, others]), oval, 2 * np.pi * phases[:, oval], axis=1)
-            found: Array = (self.sums(angles)[0] - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
-            return found
+            return (self.sums(angles)[0] - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
 
         return self._in_parts(late, phases)
 

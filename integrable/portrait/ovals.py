@@ -13,19 +13,17 @@ that has shrunk to a point gives residues.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
+from integrable.moving_point.setup import Setup
+from integrable.phase.body import Body
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.multiprecision import Mpf
 from jacobian.numbers.roots import root
-
-if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
-    from integrable.phase.body import Body
 
 FLOAT_EPS = 2.0**-52
 
@@ -110,8 +108,7 @@ def zeta_through(level: Level, phi: np.ndarray, momentum: np.ndarray) -> np.ndar
     a1, a2, a3 = map(float, level.a)
     d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2
     q = (a3 * c + a2 * s - d * a2 * a3) / (1 - d * (a2 * c + a3 * s))
-    found: np.ndarray = q - (q - a1) * momentum**2
-    return found
+    return q - (q - a1) * momentum**2
 
 
 class Ovals(NamedTuple):
@@ -147,5 +144,4 @@ class Ovals(NamedTuple):
     @property
     def D(self) -> Real:
         """The determinant A0·B1 − A1·B0, which is positive."""
-        area: Real = self.A0 * self.B1 - self.A1 * self.B0
-        return area
+        return self.A0 * self.B1 - self.A1 * self.B0

@@ -83,8 +83,7 @@ class PointOval(NamedTuple):
         h: Real = -self.lead
         for e, square in self.others:
             h *= x - e if square is None else (x - e) * (x - e) + square
-        found: Real = 1 / N.sqrt(h)
-        return found
+        return 1 / N.sqrt(h)
 
     @property
     def decay(self) -> float:
@@ -114,14 +113,12 @@ class Pole(NamedTuple):
 
         sine, cosine = gmpy2.sin_cos(phi / 2)
         # twice the angle from the vector (cos ½φ, sin ½φ) to (cos ½φ, ratio·sin ½φ)
-        found: Real = 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
-        return found
+        return 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
 
     def swings(self, phi: np.ndarray) -> np.ndarray:
         """The values of :meth:`swing` at an array of floats φ."""
         ratio, sine, cosine = float(self.ratio), np.sin(phi / 2), np.cos(phi / 2)
-        found: np.ndarray = 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
-        return found
+        return 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
 
 
 def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> Roots:
@@ -163,5 +160,4 @@ def angle_in(N: LongField, oval: PointOval, x: Real, y: Real) -> Real:
     """The angle φ of a point (x, y) of an oval."""
     import gmpy2
 
-    phi: Real = gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)
-    return phi
+    return gmpy2.atan2(y * oval.weight(N, x), oval.middle - x)

@@ -19,23 +19,22 @@ d = 0 Euler 1758, Jacobi 1849.)
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from integrable.moving_point.elliptic_integrals import complete
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import Setup
+from integrable.phase.space import PhaseSpace
+from integrable.phase.state import State
 from integrable.portrait.ovals import Level, Ovals
+from integrable.torus.long_clock import phases
 from integrable.torus.oval_modes import OvalTorus
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.immutable import Immutable
+from jacobian.notebook import named
 from jacobian.numbers.long_reals import BallReals
 from jacobian.numbers.roots import root
-
-if TYPE_CHECKING:
-    from integrable.phase.space import PhaseSpace
-    from integrable.phase.state import State
 
 REGIONS = {
     "low": "ζ below the middle a_i: M̃ circles the axis of the least one, of the largest moment",
@@ -184,8 +183,6 @@ class Portrait(Immutable):
         return drift if system.radius is None else system.radius * drift, spin
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import named
-
         names = "region axis distance frequencies rotation_number precession spin polhode drift"
         return named("what the motion is", [(name, getattr(self, name)) for name in names.split()])
 
@@ -225,6 +222,4 @@ def start_angles(system: PhaseSpace, state: State, wide: MultiprecisionField, di
             if lost == LOST[-1]:
                 raise
     # the phases of an OvalTorus are 0 at the inner end of the second oval
-    first, second = found[0], found[1] + wide.one / 2
-    floor = wide.context.floor
-    return first - floor(first), second - floor(second)
+    return phases(wide.one, (found[0], found[1] + wide.one / 2), wide)

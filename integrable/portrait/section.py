@@ -20,18 +20,20 @@ motion lies on its own curve,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.phase.ways import rounded
 from integrable.portrait.oval_angles import OvalAngles
 from integrable.portrait.ovals import Level
+from integrable.portrait.pictures import section_figure
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import one_of, whole
 from jacobian.immutable import Record
+from jacobian.notebook import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,8 +68,7 @@ class Section(Record):
     @property
     def times(self) -> np.ndarray:
         """The times of the crossings, shape (N,)."""
-        found: np.ndarray = self.run.times
-        return found
+        return self.run.times
 
     def __len__(self) -> int:
         return len(self.theta)
@@ -94,18 +95,13 @@ class BodySection(Section):
     @property
     def tau(self) -> np.ndarray:
         """The values of the flow's own time τ at the crossings, shape (N,)."""
-        found: np.ndarray = self.run.tau
-        return found
+        return self.run.tau
 
     def figure(self) -> Figure:
         """A picture of the crossings. For the axis of the largest moment it also has curves of other motions."""
-        from integrable.portrait.pictures import section_figure
-
         return section_figure(self)
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import table
-
         columns = (self.tau, self.phi, self.momentum, self.theta)
         return table(repr(self), ["τ", "φ", "M/|M|", "ϑ"], list(zip(*(x.tolist() for x in columns), strict=True)))
 
@@ -115,19 +111,19 @@ def turned(
     oval: int,
     end: float,
     motion: tuple[Sequence[Real], Sequence[Real]],
-    around: float,
-    delays: Callable[[np.ndarray], np.ndarray] | None = None,
+    forms: tuple[OvalAngles, np.ndarray] | None = None,
 ) -> tuple[list[Real], np.ndarray, np.ndarray]:
     """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0 or
     ½), the phases (N, g − 1) of the other points there, and their change per crossing.
 
-    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``around``
-    are the turns φ/2π of the point of ``oval`` at the start. ``delays`` gives the times from the phases, (N, g), to the
-    crossings; None if φ is a function of the phase of its oval alone, and there are no delays.
+    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``forms``
+    are the sums of forms that determine the angles φ of the points, and their derivatives by time; None if φ/2π is the
+    phase of its oval.
     """
     count = whole(count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS)
     nu, place = motion
-    around -= end
+    start = np.array([place], dtype=float)
+    around = (forms[0].at(start) / (2 * math.pi) if forms else start)[0, oval] - end
     ahead = nu[oval] > 0
     first = math.floor(around + ON) + 1 if ahead else math.ceil(around - ON) - 1
     turns = [first + n if ahead else first - n for n in range(count)]
@@ -135,7 +131,7 @@ def turned(
     fractions = [[x - math.floor(x) for x in (p + f * t for p, f in zip(place, nu, strict=True))] for t in begin]
     phases = np.array(fractions, dtype=float)
     phases[:, oval] = end
-    late = delays(phases).tolist() if delays else [0] * count
+    late = forms[0].delays(phases, oval, forms[1]).tolist() if forms else [0] * count
     others = [k for k in range(len(nu)) if k != oval]
     rotation = np.array([float(nu[k] / nu[oval]) * (1 if ahead else -1) for k in others])
     return [t + x for t, x in zip(begin, late, strict=True)], phases[:, others], rotation
@@ -153,9 +149,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
     """
     oval, half = end_of_oval(oval, end, len(torus.ovals))
     motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
-    around = float(torus.start[oval]) / (2 * math.pi)
-    delays = partial(torus.in_floats.delays, oval=oval, rates=rates)
-    tau, theta, rotation = turned(count, oval, half, motion, around, delays)
+    tau, theta, rotation = turned(count, oval, half, motion, (torus.in_floats, rates))
     times = np.array([torus.slowness * t for t in tau], dtype=float)
     if torus.clock:
         times += torus.clock.at(*(np.array([t * nu % 1 for t in tau], dtype=float) for nu in torus.tau_frequencies))
@@ -169,12 +163,10 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
     """
     oval = AXES.index(one_of(axis, "axis", AXES, 'choose "largest" or "least" (moment)'))
     portrait, K = flow.portrait, flow.system.field
-    angles, sums = portrait.wide_angles("section"), sums_over_ovals(portrait.level)
-    start, motion = sums.at(np.array([angles], dtype=float))[0, oval], (portrait.wide_tau_frequencies, angles)
-    delays = partial(sums.delays, oval=oval, rates=np.array([1.0, 0.0]))
-    tau, theta, rotation = turned(count, oval, 0.0, motion, float(start) / (2 * math.pi), delays)
+    motion, sums = (portrait.wide_tau_frequencies, portrait.wide_angles("section")), sums_over_ovals(portrait.level)
+    tau, theta, rotation = turned(count, oval, 0.0, motion, (sums, np.array([1.0, 0.0])))
     axes = portrait.level.axes[::-1] if oval else portrait.level.axes
-    run = _refined(flow, np.array([*map(K.coerce, tau)], dtype=float if K == RR else object), axes[0])
+    run = _refined(flow, rounded(K, tau), axes[0])
     return BodySection(run, theta[:, 0], float(rotation[0]), axes)
 
 

@@ -15,23 +15,21 @@ has rank two: one combination of the three independent integrals changes the sha
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from integrable.phase.body import Body
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.portrait.differences import differences
-from integrable.portrait.variations import Variation, gradient
+from integrable.phase.ways import rounded
+from integrable.portrait.differences import FlowMap, differences
+from integrable.portrait.variations import Variation, gradient, moved
+from integrable.torus.access import TorusFlow
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
 from jacobian import RR
-from jacobian.fields.multiprecision import MultiprecisionField
-from jacobian.fields.protocol import Field
 from jacobian.immutable import Record, read_only
-
-if TYPE_CHECKING:
-    from integrable.torus.access import TorusFlow
+from jacobian.notebook import table
 
 # Fourier coefficients of the integrands below this fraction of the largest one are rounding errors
 NOISE = 3e-14
@@ -82,8 +80,6 @@ class Sensitivity(Record):
         return len(self.times)
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import table
-
         if not len(self):
             return table(repr(self), ["", *self.columns], [])
         rows = [(name, *row) for name, row in zip(self.columns, self.matrix[-1].tolist(), strict=False)]
@@ -96,25 +92,19 @@ class Sensitivity(Record):
 def by_differences(flow: Any, times: np.ndarray) -> Sensitivity:
     """The sensitivity at ``times``, by differences of motions that are computed with more digits."""
     (inputs, names), (digits, size) = flow._inputs(), expected(flow, times)
-
-    def rows(numbers: np.ndarray, K: MultiprecisionField) -> np.ndarray:
-        states: np.ndarray = np.hstack(flow._through(numbers, K)._states(times))
-        return states
-
-    matrix = in_field(flow.system.field, differences(rows, inputs, digits, size))
+    matrix = rounded(flow.system.field, differences(states_through(flow, times), inputs, digits, size))
     return Sensitivity(times, matrix, None, "differences", flow, names)
+
+
+def states_through(flow: Any, times: np.ndarray) -> FlowMap:
+    """The function that gives the states at ``times`` of the motion with given inputs, over a given field."""
+    return lambda numbers, K: np.hstack(flow._through(numbers, K)._states(times))
 
 
 def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
     """The number of digits to which a flow's derivatives are computed, and the approximate size of the derivatives."""
     farthest, field = max((abs(float(t)) for t in times), default=0.0), flow.system.field
     return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * flow._fastest
-
-
-def in_field(field: Field, found: np.ndarray) -> np.ndarray:
-    """An array of long numbers in the numbers of RR or MP(digits)."""
-    numbers: np.ndarray = np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
-    return numbers
 
 
 class TorusVariations:
@@ -168,7 +158,7 @@ class TorusVariations:
     def _at(self, run: Any) -> Sensitivity:
         phases = self._torus.phases(run.times, True, self._doubled)
         clock, steps = run.tau * self._pace, run.times * self._pace
-        here = Variation.at(self._body, self._scaled(np.hstack([run.gamma, run.M])))
+        here = Variation.at(self._body, self._scaled(run._rows))
         half = len(self._along)
         sums = together([self._sigma, *self._along, *self._across], *phases)
         sigma = sums[:, 0] + self._sigma.origin
@@ -194,14 +184,12 @@ class TorusVariations:
     def _in_units(self, found: np.ndarray) -> np.ndarray:
         rows = np.array([1.0] * 3 + [self._size] * 3)
         columns = np.array([1.0] * 3 + [self._size] * 3 + [self._unit] * 4)
-        scaled: np.ndarray = rows[:, None] * (found @ self._project) / columns
-        return scaled
+        return rows[:, None] * (found @ self._project) / columns
 
 
 def _noise(most: np.ndarray) -> np.ndarray:
     """For each integrand the fraction of its largest mode, given in ``most``, below which modes are rounding errors."""
-    found: np.ndarray = NOISE * most.max() / np.maximum(most, NOISE * most.max())
-    return found
+    return NOISE * most.max() / np.maximum(most, NOISE * most.max())
 
 
 def _lost(flow: Any, run: Any, matrix: np.ndarray) -> float:
@@ -214,7 +202,7 @@ def _lost(flow: Any, run: Any, matrix: np.ndarray) -> float:
     heavier = np.concatenate([np.zeros(3), M, system.inertia, [system.d]])
     faster = np.concatenate([np.zeros(3), M, np.zeros(4)])
     scaled = np.hstack([0 * run.gamma, run.M])
-    moved = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
-    gaps = matrix @ heavier - scaled, matrix @ faster - scaled - run.times[:, None] * moved
+    later = run.times[:, None] * moved(run._rows, run.omega)
+    gaps = matrix @ heavier - scaled, matrix @ faster - scaled - later
     size = np.abs(matrix).max(axis=(1, 2)) * max(1.0, float(np.abs(heavier).max()))
     return float(max((np.abs(gap).max(axis=1) / size).max(initial=0) for gap in gaps))

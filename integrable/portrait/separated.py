@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
+import gmpy2
 import numpy as np
 
 from integrable.portrait.oval_angles import OvalAngles
@@ -103,8 +104,6 @@ class SeparatedTorus:
         self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
     ) -> list[list[Real]]:
         """For each form the coefficients of dφ at φ = π(k + ½)/n, times ``factor``, without the terms of its poles."""
-        import gmpy2
-
         N = self._field
         poles = [self._poles_of(oval, form) for form in forms]
         wanted = N.bits * math.log(2) / max(oval.decay, 1e-9) + SPARE_NODES
@@ -142,8 +141,6 @@ class SeparatedTorus:
     @cached_property
     def waves(self) -> list[list[list[Real]]]:
         """For each oval and form c(φ)dφ: the numbers 2w_n/n, n = 1, 2, …, with the Fourier modes w_n of c."""
-        import gmpy2
-
         N = self._field
 
         def of_row(row: list[Real]) -> list[Real]:
@@ -159,8 +156,6 @@ class SeparatedTorus:
 
     def _sums(self, angles: Sequence[Real]) -> list[Real]:
         """For each form, the sum over the points of its integral from the lower end to the angle of the point."""
-        import gmpy2
-
         found = [self._field.zero] * len(self.means[0])
         for phi, means, waves, poles in zip(angles, self.means, self.waves, self.poles, strict=True):
             sine, twice = gmpy2.sin(phi), 2 * gmpy2.cos(phi)
@@ -230,8 +225,6 @@ class SeparatedTorus:
     @property
     def halves(self) -> list[tuple[Real, Real]]:
         """(sin ½φ, cos ½φ) of each point at the start."""
-        import gmpy2
-
         return [gmpy2.sin_cos(phi / 2) for phi in self.start]
 
     def moves(self, oval: PointOval) -> bool:
@@ -303,8 +296,6 @@ class SeparatedTorus:
 
     def _slopes(self, oval: PointOval, phi: Real) -> list[Real]:
         """The coefficients of dφ of the g forms at an angle."""
-        import gmpy2
-
         x = oval.middle - oval.radius * gmpy2.cos(phi)
         return [form.coefficient(self._field, x) * oval.weight(self._field, x) for form in self.separation.forms]
 
@@ -329,16 +320,14 @@ class SeparatedTorus:
     def slowness(self) -> Real:
         """The mean of dt/dτ: 1, or a quotient of determinants of integrals if time is not a sum over the points."""
         if self.separation.slow is None:
-            one: Real = self._field.one
-            return one
+            return self._field.one
         N, (end, factor) = self._field, self.separation.slow
         slowed = [self._sampled(oval, self.separation.forms, lambda x: 1 / N.sqrt(abs(end - x))) for oval in self.ovals]
         areas = []
         for table in [[sum(row) / len(row) for row in rows] for rows in slowed], self.means:
             (a, b), (c, d) = table
             areas.append(a * d - b * c)
-        mean: Real = factor * areas[0] / areas[1]
-        return mean
+        return factor * areas[0] / areas[1]
 
     @cached_property
     def clock(self) -> TorusSeries | None:

@@ -17,12 +17,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from integrable.phase.attitude import angular_velocities
+from integrable.portrait.pictures import LETTERS, spectrum_figure
 from integrable.torus.integrals import TorusIntegral
 from integrable.torus.series import needed_size
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import Record
+from jacobian.notebook import table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,17 +98,12 @@ class Spectrum(Record):
 
     def figure(self) -> Figure:
         """A picture: the sizes of the lines of each quantity against their frequencies."""
-        from integrable.portrait.pictures import spectrum_figure
-
         return spectrum_figure(self)
 
     def __len__(self) -> int:
         return len(self.frequencies)
 
     def _repr_html_(self) -> str:
-        from integrable.portrait.pictures import LETTERS
-        from jacobian.notebook import table
-
         sizes = (np.linalg.norm(getattr(self, name), axis=1).tolist() for name in self.quantities)
         rows = list(zip(map(tuple, self.modes.tolist()), self.frequencies.tolist(), *sizes, strict=True))
         names = [f"|{LETTERS.get(name, name)}|" for name in self.quantities]
@@ -206,8 +203,7 @@ class OwnTime(NamedTuple):
             step = (late * self.mean - swing) / rate
             late = late - step
             if np.abs(step).max() * np.abs(self.rates).max() < SOLVED:
-                found: np.ndarray = phases - late[:, None] * self.rates
-                return found
+                return phases - late[:, None] * self.rates
         raise PrecisionLoss("spectrum: the clock of this motion is too uneven for floats")
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
+import numpy as np
+
 from integrable.phase.enclosure import ball_digits
 from integrable.phase.ways import times_in
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from integrable.phase.enclosure import Enclosure
     from integrable.phase.run import Run
     from integrable.portrait.certificate import Pairs
@@ -175,8 +175,6 @@ class StateFlow(Generic[AnyRun]):
         """The length of a panel of a search for events in an interval of time, so short that its nodes resolve the
         motion; for a flow over RR.
         """
-        import numpy as np
-
         states = self.at(np.linspace(first, last, PROBES))
         fastest = largest_rate([self.system.linearized(state) for state in states])
         return float(min(last - first, PANEL_TURN / fastest)) if fastest else last - first
@@ -184,6 +182,4 @@ class StateFlow(Generic[AnyRun]):
 
 def largest_rate(matrices: Sequence[np.ndarray]) -> float:
     """The largest modulus of the eigenvalues of all matrices."""
-    import numpy as np
-
     return float(np.abs(np.linalg.eigvals(matrices)).max())

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable
 from jacobian.immutable import Immutable
+from jacobian.notebook import named
 
 
 class OvalsTorus(Protocol):
@@ -54,8 +55,7 @@ class TorusPortrait(Immutable):
     @property
     def rotation_number(self) -> Real:
         """The quotient of the first two frequencies."""
-        quotient: Real = self.frequencies[0] / self.frequencies[1]
-        return quotient
+        return self.frequencies[0] / self.frequencies[1]
 
     @property
     def periods(self) -> tuple[Real, ...]:
@@ -71,8 +71,6 @@ class TorusPortrait(Immutable):
         return tuple((s * x) % 1 for s, (x,) in zip(self._signs, found, strict=False))
 
     def _repr_html_(self) -> str:
-        from jacobian.notebook import named
-
         return named("what the motion is", [(name, getattr(self, name)) for name in ("frequencies", "actions")])
 
     def __repr__(self) -> str:

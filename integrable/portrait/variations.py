@@ -14,12 +14,11 @@ so only integrals of functions of the state remain. Numbers are floats; the firs
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from integrable.phase.body import Body
+from integrable.phase.body import Body
 
 Array = np.ndarray
 
@@ -47,7 +46,7 @@ class Variation(NamedTuple):
         n = np.sum(gamma * a * M, axis=1)[:, None] / q
         omega = a * (M + d * n * gamma)
         g = q**-0.5
-        fields = np.stack([_moved(rows, omega), _moved(rows, commuting_spin(body, gamma, M))], axis=2)
+        fields = np.stack([moved(rows, omega), moved(rows, commuting_spin(body, gamma, M))], axis=2)
         n_gamma, n_M = (a * M - 2 * n * thin * gamma) / q, a * gamma / q
         one = np.eye(3)
         by_gamma = d * a[:, None] * (n[:, :, None] * one + gamma[:, :, None] * n_gamma[:, None, :])
@@ -95,18 +94,17 @@ def commuting_spin(body: Body, gamma: Array, M: Array) -> Array:
     """The vectors Ω = M/g + dg(γ, AM)γ of the Hamiltonian field Y of H2/2, shape (N, 3), in floats or mpf."""
     slowness = (np.sum(np.array(body.contact) * gamma**2, axis=1) ** 0.5)[:, None]
     along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
-    spin: Array = slowness * M + body.d * along / slowness * gamma
-    return spin
+    return slowness * M + body.d * along / slowness * gamma
 
 
 def _left_inverse(columns: Array) -> Array:
     """The pseudo-inverses, shape (N, m, 6), of N matrices of independent columns, shape (N, 6, m)."""
     q, r = np.linalg.qr(columns)
-    found: Array = np.linalg.solve(r, q.transpose(0, 2, 1))
-    return found
+    return np.linalg.solve(r, q.transpose(0, 2, 1))
 
 
-def _moved(rows: Array, spin: Array) -> Array:
+def moved(rows: Array, spin: Array) -> Array:
+    """The derivatives (γ × Ω, M × Ω) of states (γ, M), (N, 6), for Ω = ``spin``, (N, 3), in floats or mpf."""
     return np.concatenate([np.cross(rows[:, :3], spin), np.cross(rows[:, 3:], spin)], axis=1)
 
 

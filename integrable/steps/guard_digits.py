@@ -14,15 +14,13 @@ from functools import partial
 from math import ceil, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
-from integrable.phase.body import Body
+from integrable.phase.brackets import over
 from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, onto_constraints, state_of_row
 from jacobian import MP
 from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
 from jacobian.fields.inexact import InexactField
-from jacobian.fields.protocol import Field
-from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.phase.upright import ChaplyginTransformation
@@ -114,7 +112,7 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
     K = step.system.field
     for digits, made in attempts:
         last = digits == attempts[-1][0]
-        system = widened(step.system, MP(digits))
+        system = over(step.system, MP(digits))
         moved, start = step.wider(system), made(system)
         states = [start]
         try:
@@ -197,12 +195,6 @@ def _without_dust(field: Any, image: State) -> State:
         for x in v
     ]
     return state_of_row(row, image.tilted)
-
-
-def widened(system: PhaseSpace, field: Field) -> PhaseSpace:
-    """The same system over a field of more digits; the numbers of its body are converted without a change."""
-    body = system.body
-    return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
 
 def _digits(field: Any, condition: float) -> list[int]:

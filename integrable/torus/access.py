@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from integrable.moving_point.addition import Row
 from integrable.moving_point.problem import HALF_STEP, HEAVINESS, TIME_SCALE
+from integrable.moving_point.setup import Setup
 from integrable.torus.clock import MOST_SAMPLES, TorusClock, check_turns, first_grid, resolved_spectrum, samples_of
 from integrable.torus.lifts import AROUND, CHECKED, CLOSED, Limits, RateSums, Torus
 from integrable.torus.loops import (
@@ -33,9 +33,6 @@ from integrable.torus.theta_setup import CLASSES, FOUND, FREQUENCIES, IMAGINARY,
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.periods.real_basis import Whole
-
-if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
 
 # at DENSE_FROM or more ascending times, if panels have at least DENSE times per node, interpolation on them is faster
 DENSE_FROM = 5000

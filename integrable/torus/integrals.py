@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from operator import mul
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from integrable.moving_point.addition import Row
-from integrable.torus.access import BodyTorus
+from integrable.moving_point.setup import Setup
+from integrable.torus.access import BodyTorus, TorusFlow
 from integrable.torus.clock import resolved
 from integrable.torus.lifts import frame_at
 from integrable.torus.long_clock import phases
@@ -20,10 +21,6 @@ from integrable.torus.series import LongSeries, TorusSeries, long_spectrum, need
 from integrable.torus.states import third_of, whole_turns
 from jacobian.element import Complex, Real
 from jacobian.numbers.long_reals import BallReals
-
-if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
-    from integrable.torus.access import TorusFlow
 
 FIRST_SIZE = 32
 # the largest number of samples in floats, for compiled and interpreted states; CHUNK states are computed at once
@@ -139,8 +136,7 @@ def resolved_samples(
         return ResolvedSamples(values, grids, noises), (max(rows), max(columns))
 
     rows, columns = (max(FIRST_SIZE, size) for size in flow.first_grid())
-    found: ResolvedSamples = resolved(sampled, transformed, (rows, columns), most)
-    return found
+    return resolved(sampled, transformed, (rows, columns), most)
 
 
 class LongIntegral:

@@ -37,28 +37,30 @@ SETTLED = 1e-9
 
 
 class LongClock:
-    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; numbers are those of ``wide``, an MP field. A
+    """t(τ) and τ(t) for any τ, to ``digits``, from the modes of dt/dτ; results are numbers of ``wide``, an MP field. A
     nearly degenerate torus has too many modes; its motion needs a clock of panels
-    (:class:`integrable.motion.precise_clock.PanelClock`).
+    (:class:`integrable.motion.precise_clock.PanelClock`). ``unit`` is the modes' unit of τ and t, in which phases
+    should change little, so that Newton's method converges.
 
     Modes in or near resonance with the motion are integrated one by one; in the series they would have small divisors.
     """
 
-    def __init__(self, modes: Modes, digits: int, wide: MultiprecisionField) -> None:
-        self.wide, self.digits, self._eps = wide, digits, wide.coerce(10) ** -digits
+    def __init__(self, modes: Modes, digits: int, wide: MultiprecisionField, unit: Real = 1) -> None:
+        self.wide, self.digits, self._eps, self._scale = wide, digits, wide.coerce(10) ** -digits, unit
         self.frequencies, self.mean = modes.frequencies, modes.mean
         rows, self._slow = without_slow(modes, digits, wide)
         self._series = LongSeries(rows, self.frequencies, wide, 10.0**-digits)
 
     def times(self, tau: list[Real]) -> list[Real]:
-        """t at every τ, all wide."""
+        """t at every τ."""
+        tau = [self.wide.coerce(t) / self._scale for t in tau]
         swings = self._series.at([phases(t, self.frequencies, self.wide) for t in tau])
-        return [t * self.mean + self._slowly(t) + swing for t, swing in zip(tau, swings, strict=True)]
+        return [self._scale * (t * self.mean + self._slowly(t) + swing) for t, swing in zip(tau, swings, strict=True)]
 
     def tau(self, times: list[Real]) -> list[Real]:
-        """τ at every t, all wide."""
-        starts = [self._start(t) for t in times]
-        return [start + shift for start, shift in zip(starts, self._shifts(starts), strict=True)]
+        """τ at every t."""
+        starts = [self._start(self.wide.coerce(t) / self._scale) for t in times]
+        return [self._scale * (start + shift) for start, shift in zip(starts, self._shifts(starts), strict=True)]
 
     def _slowly(self, tau: Real) -> Real:
         """The contribution of the slow modes to t at τ."""

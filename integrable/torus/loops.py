@@ -172,8 +172,7 @@ class CompiledLoops:
         return np.ascontiguousarray(values[:, 0])
 
     def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
-        found: np.ndarray = values.reshape(*sizes, 2)
-        return found
+        return values.reshape(*sizes, 2)
 
 
 Loops = ReadableLoops | CompiledLoops

@@ -167,7 +167,7 @@ def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: f
 
 class ModesSource(Protocol):
     """The data from which modes are made (:class:`integrable.moving_point.setup.Setup`): the motion over the ``wide``
-    field, accurate to ``digits``, and for a tilted body the moving points ``reached`` after some steps, in bare reals.
+    field, and for a tilted body the moving points ``reached`` after some steps, in bare reals.
     """
 
     @property
@@ -176,8 +176,6 @@ class ModesSource(Protocol):
     def wide(self) -> MultiprecisionField: ...
     @property
     def reals(self) -> BareReals: ...
-    @property
-    def digits(self) -> int: ...
     def reached(self, sign: int, steps: int) -> tuple[Real, ...]: ...
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from integrable.moving_point.addition import Real, Row
+from integrable.moving_point.addition import Real, Row, cofactor_at
 from integrable.moving_point.compiled import SPECIAL
 from integrable.torus.compiled import TORUS
 from integrable.torus.lifts import AROUND, CHECKED, Torus, lifts_at, most_strayed, put_around
@@ -130,12 +130,10 @@ def rates_of(torus: PairTorus, lifts: Row, place: int, k: int) -> tuple[Real, Re
 
     2σ' = −nν + c₀v₁σ and 2ν' = −qσ − c₀v₁ν at e, with n = c₁ + c₀(u₁ + ξ), W = (f − V²)/U and q = ⌊nW/U⌋.
     """
-    u0, u1, _, v1 = pair_between(torus.ends, torus.sides, lifts, place)
+    u0, u1, v0, v1 = pair_between(torus.ends, torus.sides, lifts, place)
     curve, (c0, c1), e = torus.curve, (torus.direction[0], torus.direction[1]), torus.ends[k]
     sigma, nu = lifts[place + 2 * k], lifts[place + 2 * k + 1]
-    w3 = curve[5]
-    w2 = curve[4] - u1 * w3
-    w1 = curve[3] - u1 * w2 - u0 * w3
+    _, w1, w2, w3 = cofactor_at(curve, (u0, u1, v0, v1))
     high = c1 + c0 * u1
     # q is the quotient of nW by U; it depends only on the terms of nW of degrees 4, 3 and 2
     q2 = c0 * w3

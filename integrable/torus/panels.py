@@ -107,8 +107,7 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     values = states(times.ravel()).reshape(len(middle), NODES, -1)
     rates = np.einsum("kn,pnw->pkw", slopes, values, optimize=True) / half[:, None, None]
     values = values + off[:, :, None] * rates
-    result: np.ndarray = np.einsum("kn,pnw->pkw", matrix, values, optimize=True)
-    return result
+    return np.einsum("kn,pnw->pkw", matrix, values, optimize=True)
 
 
 def _judged(
@@ -150,8 +149,7 @@ def panel_integrals(panels: Panels, times: np.ndarray) -> np.ndarray:
     panel = np.clip(np.searchsorted(panels.middles - panels.halves, times, side="right") - 1, 0, len(series) - 1)
     x = (times - panels.middles[panel]) / panels.halves[panel]
     inside = chebyshev.chebval(x[:, None], series[panel].transpose(1, 0, 2), tensor=False)
-    result: np.ndarray = before[panel] + inside
-    return result
+    return before[panel] + inside
 
 
 def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import ceil, log2, pi
 from typing import TYPE_CHECKING, NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.torus.clock_modes import size_wanted
@@ -90,8 +91,7 @@ class TorusSeries:
         right = np.exp(
             2j * pi / sizes[1] * (np.outer(np.arange(columns) + self._first, np.arange(sizes[1])) % sizes[1])
         )
-        values: np.ndarray = (left @ self._swing @ right).real - self.origin
-        return values
+        return (left @ self._swing @ right).real - self.origin
 
     def swings_and_rates(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The functions S and F of :class:`TorusSeries` at arrays of phases, in turns."""
@@ -120,8 +120,7 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
     left = np.exp(2j * pi * np.outer(first, rows))
     right = np.exp(2j * pi * np.outer(second, columns + series[0]._first))
     values = np.einsum("ni,mij,nj->nm", left, tables[:, rows][:, :, columns], right, optimize=True).real
-    found: np.ndarray = values - [x.origin for x in series]
-    return found
+    return values - [x.origin for x in series]
 
 
 class SeriesLevel(NamedTuple):
@@ -265,8 +264,6 @@ def long_spectrum(samples: np.ndarray, reals: BareReals) -> np.ndarray:
 
 def circle_of(count: int) -> np.ndarray:
     """e^(−2πik/count) for k < count, to the precision in force (:class:`~jacobian.numbers.long_reals.BareReals`)."""
-    import gmpy2
-
     return np.array([gmpy2.root_of_unity(count, -k % count) for k in range(count)], dtype=object)
 
 
@@ -277,8 +274,7 @@ def fourier(values: np.ndarray, circle: np.ndarray) -> np.ndarray:
     n, stride = len(values), len(circle) // len(values)
     if n % 2 or n <= SHORT:
         k = np.arange(n)
-        direct: np.ndarray = circle[np.outer(k, k) % n * stride] @ values
-        return direct
+        return circle[np.outer(k, k) % n * stride] @ values
     even, odd = fourier(values[::2], circle), circle[: n // 2 * stride : stride, None] * fourier(values[1::2], circle)
     return np.concatenate([even + odd, even - odd])
 

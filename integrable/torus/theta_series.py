@@ -11,6 +11,7 @@ from functools import cache
 from math import floor, log2, pi
 from typing import NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.moving_point.addition import Row
@@ -87,8 +88,7 @@ def row_sums(sums: ThetaSums, k: int, i: int, second: tuple[Real, Real]) -> tupl
 
 def is_odd(chars: Row, k: int) -> bool:
     """Whether θ of class k is odd in φ."""
-    odd: bool = (chars[4 * k] * chars[4 * k + 2] + chars[4 * k + 1] * chars[4 * k + 3]) % 2 > 0
-    return odd
+    return (chars[4 * k] * chars[4 * k + 2] + chars[4 * k + 1] * chars[4 * k + 3]) % 2 > 0
 
 
 class Lattice(NamedTuple):
@@ -247,8 +247,6 @@ def long_numbers(bits: int) -> LongField:
 
 def half_turn() -> Real:
     """π at the precision of the field currently entered."""
-    import gmpy2
-
     return gmpy2.const_pi()
 
 

@@ -266,8 +266,11 @@ class Unmade:
         (lambda: RigidBody((1, 2, 3)).motion(-UP, (1, 2, 3)), "determinant −1"),
         (lambda: RigidBody((1, 2, 3)).motion([1, 2, 3], (1, 2, 3)), "orientation = .*give one rotation"),
         (lambda: RigidBody((1, 2, 3)).motion(Unmade, (1, 2, 3)), "orientation = .*Unmade.*give one rotation"),
-        (lambda: RigidBody((1, 2, 3)).motion(UP, (1, 2)), "omega = .* give three numbers"),
-        (lambda: RollingBall((1, 1, 1), 9, 1).motion(UP, (1, 2, 3), (1,)), "contact = .*: give two numbers"),
+        (lambda: RigidBody((1, 2, 3)).motion(UP, (1, 2)), "omega = .* a sequence of three numbers is needed"),
+        (
+            lambda: RollingBall((1, 1, 1), 9, 1).motion(UP, (1, 2, 3), (1,)),
+            "contact = .*: a sequence of two numbers",
+        ),
         (lambda: RigidBody((1, 2, 3)).motion(UP, (1, 2, 3)).at(["x"]), r"times\[0\]"),
         (lambda: RigidBody((1, 2, 3), field=object()), "field"),
     ],

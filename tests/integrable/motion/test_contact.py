@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion import contact
 from integrable.motion.flow import Flow
+from integrable.phase.brackets import over
 from integrable.phase.state import onto_constraints
-from integrable.steps.guard_digits import widened
 from integrable.torus.panels import Panels, panel_integrals
 from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
@@ -227,10 +227,10 @@ def test_far_away_in_multiprecision(tilted, monkeypatch):
     """
     momentum = (1, 1.28, 1.488) if tilted else (0.384, 1.28, -1.488)
     ball = ChaplyginBall((1, 2, 3), 50.0)
-    state = onto_constraints(widened(ball, MP(18)), ball.state((0.48, 0.6, 0.64), momentum, tilted=tilted))
+    state = onto_constraints(over(ball, MP(18)), ball.state((0.48, 0.6, 0.64), momentum, tilted=tilted))
 
     def path(digits, times):
-        wide = widened(ball, MP(digits))
+        wide = over(ball, MP(digits))
         # the same numbers over both fields
         return Flow(wide, state).at(times).contact
 
@@ -256,6 +256,6 @@ def _path(field, inertia, d, gamma, momentum, times, tilted=False):
     ball = ChaplyginBall(inertia, d)
     state = ball.state(gamma, momentum, tilted=tilted)
     if field != RR:
-        ball = widened(ball, field)
+        ball = over(ball, field)
         state = onto_constraints(ball, state)
     return ball.flow(state).at(times).contact

@@ -10,8 +10,8 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.conditioning import conditioning
 from integrable.motion.short import ShortRuns
+from integrable.phase.brackets import over
 from integrable.phase.state import onto_constraints
-from integrable.steps.guard_digits import widened
 from jacobian import MP, PrecisionLoss
 from tests.integrable.ways import precise_of, short_runs
 
@@ -64,7 +64,7 @@ LOSING = {
 def error(system, state, t):
     """The error of γ and M/|M| at t, relative to 40 digits from the same floats."""
     flow = system.flow(state)
-    wide = widened(system, MP(40))
+    wide = over(system, MP(40))
     true = wide.flow(onto_constraints(wide, state)).at([t])
     found = flow.at([t])
     size = float(np.linalg.norm(state.M))
@@ -123,7 +123,7 @@ SEPARATRIX = {
 )
 def test_far_times_on_a_separatrix_are_computed_with_more_digits(name) -> None:
     system, gamma, M, t = SEPARATRIX[name]
-    flow, wide = system.flow(system.state(gamma, M)), widened(system, MP(30))
+    flow, wide = system.flow(system.state(gamma, M)), over(system, MP(30))
     true_flow = wide.flow(onto_constraints(wide, flow.state))
     times, tau = 4 * np.array([t, -0.3 * t]), 4 * np.array([0.5 * t])
     size = float(np.linalg.norm(flow.state.M))

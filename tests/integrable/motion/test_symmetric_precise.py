@@ -12,7 +12,7 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.motion.flow import Flow
 from integrable.motion.symmetric import SymmetricFlow
 from integrable.motion.symmetric_precise import PreciseClosedForm
-from integrable.steps.guard_digits import widened
+from integrable.phase.brackets import over
 from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss
 from tests.fuzz.closed_forms import EqualMoments, SymmetricTop
@@ -68,7 +68,7 @@ def test_near_the_start_it_is_what_additions_give(name) -> None:
 def test_far_away_two_precisions_agree(name) -> None:
     flow = _flow(name)
     # the same numbers: projected onto the constraints again they would differ by 1e-51
-    wider = Flow(widened(flow.system, MP(50)), flow.state)
+    wider = Flow(over(flow.system, MP(50)), flow.state)
     times = [K.coerce("1e40"), K.coerce("-3e7")]
     assert _gap(flow.at(times), wider.at(times)) <= 1e-29
     assert _gap(flow.at_tau(times), wider.at_tau(times)) <= 1e-29

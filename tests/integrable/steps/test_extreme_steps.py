@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
+from integrable.phase.brackets import over
 from integrable.phase.state import State, onto_constraints
 from integrable.scene.orbit import orbit
-from integrable.steps.guard_digits import MOST_CONDITION, drift, widened
+from integrable.steps.guard_digits import MOST_CONDITION, drift
 from integrable.steps.step import Composition
 from integrable.steps.translation import Translation, moving_branch_point
 from jacobian import GF, MP, RR, ArgumentError, NotASquare, NotRepresentable, PrecisionLoss
@@ -48,7 +49,7 @@ EXTREME = {
 
 def _truth(system, options, state, count=1):
     """The states in 60 digits or more, from the exact values of the floats."""
-    wide = widened(system, MP(320) if options["points"][0] == 1e-200j else WIDE)
+    wide = over(system, MP(320) if options["points"][0] == 1e-200j else WIDE)
     step, states = wide.translation(**options), [onto_constraints(wide, state)]
     for _ in range(count):
         states.append(step(states[-1]))
@@ -159,9 +160,9 @@ def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, fie
     system = ChaplyginBall(inertia, d) if d else EulerTop(inertia)
     state = system.state(gamma, M, tilted=tilted)
     if field != RR:
-        system = widened(system, field)
+        system = over(system, field)
         state = onto_constraints(system, state)
-    step, wide = make(system), widened(system, MP(80))
+    step, wide = make(system), over(system, MP(80))
     true = step.wider(wide)(onto_constraints(wide, state))
     assert _error(step(state), true) <= 200 * field.eps * max(map(abs, (1, *state.M)))
 
@@ -174,7 +175,7 @@ def test_steps_of_all_kinds_on_all_kinds_of_bodies(count) -> None:
         system, state, _ = random_motion(rng)
         maps = [lambda b: b.multiplication(3), lambda b: b.keyless(), lambda b: b.translation([0.3j, -0.3j])]
         maps += [lambda b: b.torsion()] if system.d else [lambda b: b.conic(0.7, 2.0)]
-        step, wide = rng.choice(maps)(system), widened(system, MP(80))
+        step, wide = rng.choice(maps)(system), over(system, MP(80))
         tried += 1
         try:
             image = step(state)
@@ -201,7 +202,7 @@ def test_an_orbit_of_a_composition_is_widened_by_its_worst_part() -> None:
     both = BALL.torsion() @ plain @ tiny
     assert isinstance(both, Composition)
     assert both.condition(state) == tiny.condition(state)
-    wide = widened(BALL, WIDE)
+    wide = over(BALL, WIDE)
     step = wide.torsion() @ wide.translation([1.8, 2.5]) @ wide.translation([1e-12j, -1e-12j])
     true = [onto_constraints(wide, state)]
     for _ in range(10):
@@ -213,7 +214,7 @@ def test_branch_points_given_in_floats_stay_branch_points_in_wider_numbers() -> 
     state = BALL.state(*START)
     h1, h2 = BALL.integrals(state)[2:]
     torsion = BALL.torsion()
-    wide = widened(BALL, WIDE)
+    wide = over(BALL, WIDE)
     assert torsion.wider(wide).points == (1 / wide.d,)
     assert BALL.translation([BALL.a[0], 1.8]).wider(wide).points == (wide.a[0], 1.8)
     for branch in (h1 / h2, moving_branch_point):
@@ -224,7 +225,7 @@ def test_branch_points_given_in_floats_stay_branch_points_in_wider_numbers() -> 
 
 def test_a_tilted_state_takes_a_tiny_step() -> None:
     state = BALL.state((0.48, 0.6, 0.64), (0.5, 1.2, -1.4), tilted=True)
-    wide = widened(BALL, WIDE)
+    wide = over(BALL, WIDE)
     true = wide.translation([1e-12j, -1e-12j])(onto_constraints(wide, state))
     image = BALL.translation([1e-12j, -1e-12j])(state)
     assert image.tilted
@@ -237,17 +238,17 @@ def test_a_tilted_state_takes_a_tiny_step() -> None:
 
 def test_a_multiple_beyond_floats_is_taken_with_the_digits_it_needs() -> None:
     state, m = BALL.state(*START), 10**20
-    wide = widened(BALL, MP(400))
+    wide = over(BALL, MP(400))
     true = wide.translation([1.8, 2.5], multiple=m)(onto_constraints(wide, state))
     assert _error(BALL.translation([1.8, 2.5], multiple=m)(state), true) < 10 * EPS
 
 
 def test_many_digits_take_guard_digits_of_their_own() -> None:
     K = MP(30)
-    state = onto_constraints(widened(BALL, K), BALL.state(*START))
+    state = onto_constraints(over(BALL, K), BALL.state(*START))
     options = {"points": [K.context.mpc(0, "1e-12"), K.context.mpc(0, "-1e-12")]}
-    image = widened(BALL, K).translation(**options)(state)
-    more = widened(widened(BALL, K), MP(70))
+    image = over(BALL, K).translation(**options)(state)
+    more = over(over(BALL, K), MP(70))
     assert _error(image, more.translation(**options)(onto_constraints(more, state))) < 10 * K.eps
 
 
@@ -364,7 +365,7 @@ def test_next_to_a_rotation_floats_are_not_asked_for_the_sum() -> None:
 
 
 def _in_both(system, state):
-    wide = widened(system, MP(120))
+    wide = over(system, MP(120))
     return (system, state), (wide, onto_constraints(wide, state))
 
 
