@@ -217,7 +217,6 @@ def _scaled(N: LongField, numbers: Sequence[Real], table: Sequence[Real], axis: 
 
 @cache
 def _long_inverse() -> list[Real]:
-    """:func:`integrable.torus.theta_series.inverse_factorials` in long numbers."""
     with long_numbers(FEWER_BITS) as N:
         return [N.coerce(high) + low for high, low in inverse_factorials().tolist()]
 

@@ -32,9 +32,7 @@ from jacobian.relatives.extended import Extended, Lift
 
 
 class SummedFlow(MumfordFlow):
-    """The motion, at any times, of a state whose pair has one point in each of g ovals, by sums of integrals over the
-    ovals (:mod:`integrable.portrait.separated`) instead of additions.
-    """
+    """The motion of a state by sums over ovals (:mod:`integrable.portrait.separated`) instead of additions."""
 
     # states in long numbers are computed by sums over the ovals, as those in floats are, so their ``way`` is TORUS too
     _long_way = TORUS

@@ -222,8 +222,8 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return self._by_rows(times, self._row, self._long_way)
 
     def _far(self, times: np.ndarray) -> StatesReached:
-        """The states by additions; by sums over the ovals where additions fail. All pairs of a symmetric state, such as
-        a Toda lattice with q_{−i} = −q_i and p_{−i} = −p_i, are at special positions.
+        """The states by additions; by sums over the ovals if additions fail, as for all pairs of a lattice with
+        q_{−i} = −q_i and p_{−i} = −p_i.
         """
         try:
             return self._by_additions(times)

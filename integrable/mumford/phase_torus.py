@@ -79,10 +79,9 @@ class PhaseTorus(FarTimes):
         self.paces = [float(x) for x in torus.frequencies if x]
         waves = [*map(_waves, torus.waves)]
         rows = [double_double_row(row) for rows in (torus.means, *waves) for row in rows]
-        begins, width = np.cumsum([0, *map(len, waves)]), len(torus.forms)
+        begins, self._width = np.cumsum([0, *map(len, waves)]), len(torus.forms)
         means, series = (np.concatenate(x) for x in (rows[: self._genus], rows[self._genus :]))
         self._sums = Packed(FormSums(means, series, begins, inverse_factorials()), FORM_SUMS)
-        self._width = width
         self._begin = [*map(Column.of, torus.swings_at_start)]
 
     def at(self, times: np.ndarray) -> Any:

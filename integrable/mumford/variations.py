@@ -8,19 +8,18 @@ equations of motion, their slopes those of variation, so no system has formulas 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from integrable.phase.jets import Jet, JetField
 from integrable.portrait.sensitivity import Sensitivity
+from integrable.series.kinds import Formulas, Kind
+from integrable.series.symbols import Symbol, SymbolField
 from jacobian import RR
 from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError
 from jacobian.immutable import made_once
-
-if TYPE_CHECKING:
-    from integrable.series.kinds import Kind
 
 # the walks of one input take at most about LONGEST microseconds
 LONGEST = 150_000
@@ -55,9 +54,6 @@ def variations_of(flow: Any, standing: tuple[bool, ...]) -> Kind | None:
     The variables are q, p, their derivatives, the auxiliary functions, and the derivatives of these. The constants are
     those of the system, then their derivatives. Parameters that are not ``standing`` are 0.
     """
-    from integrable.series.kinds import Formulas, Kind
-    from integrable.series.symbols import Symbol, SymbolField
-
     system, point_of = flow.system, type(flow.start)
     K, n, count = JetField(SymbolField(), 1), system.size, len(system.constants) + len(system.parameters)
     symbols: list[Any] = [Symbol(("constant", i)) for i in range(2 * count)]

@@ -89,8 +89,7 @@ class Kind:
         """
         scope: dict[str, Any] = {name: getattr(context or math, name) for name in FUNCTIONS}
         exec(self._python, scope)
-        rates: Callable[[Sequence[Any]], list[Any]] = scope["make"](*coefficients)
-        return rates
+        return scope["make"](*coefficients)
 
     @cached_property
     def _python(self) -> Any:

@@ -179,8 +179,7 @@ class Series(Sums):
             for x in near[1:]:
                 size = text.larger(x, size)
             over = text.fdiv(text.one, text.larger(size, text.real(1e-300)))
-            # a variable that is 0 up to the order 3 does not limit the step: its terms are compared with the other
-            # variables of its part, by both walks
+            # a variable that is 0 up to the order 3 does not limit the step; rows are compared by parts of the state
             kind, zero = text.types.double, text.real(0.0)
             some = text.write(f"fcmp ogt {kind} {size}, {zero}")
             over = text.write(f"select {text.types.bit} {some}, {kind} {over}, {kind} {zero}")

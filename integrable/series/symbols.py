@@ -59,8 +59,7 @@ class SymbolField(InexactField):
         return x if frexp(x)[0] in (0.0, 0.5, -0.5) else Symbol(("number", x))
 
     def sqrt(self, x: Real) -> Real:
-        root: Real = x**0.5
-        return root
+        return x**0.5
 
     class context:
         @staticmethod

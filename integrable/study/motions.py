@@ -152,8 +152,7 @@ class _Run:
             task = self.truths[exact]
             with _pieces(task, self.tick) as step:
                 self._truths[exact] = measured(task, None, step)
-        found: dict[str, Any] = self._truths[exact]
-        return found
+        return self._truths[exact]
 
     def flow(self, task: Task) -> Any:
         """The trajectory of a task, computed at the first call."""

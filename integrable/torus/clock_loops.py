@@ -103,7 +103,7 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
     solve(clock.rough, clock, phases, delays, ROUGHLY, room)
     solve(clock.series, clock, phases, delays, EXACT if len(clock.modes) == 0 else NEARLY, room)
     for i in abreast(0, len(times)):
-        offsets[i] = delays[i] + 0 * nu1
+        offsets[i], room.errors[i] = delays[i] + 0 * nu1, 0 * delays[i] + 1
     if len(clock.modes) > 0:
         correct(clock, phases, room)
     for i in abreast(0, len(times)):
@@ -153,8 +153,6 @@ def correct(clock: Clock, phases: Row, room: ClockRoom) -> None:
     """
     nu1, nu2, (double1, double2) = clock.pace[2], clock.pace[3], clock.doubled
     offsets, steps, errors, turns = room.offsets, room.steps, room.errors, abs(float(nu1)) + abs(float(nu2))
-    for i in abreast(0, len(errors)):
-        errors[i] = 0 * steps[i] + 1
     for _ in range(MOST_CORRECTIONS):
         for i in abreast(0, len(errors)):
             x, reach, error = offsets[i], steps[i], errors[i]

@@ -43,8 +43,7 @@ def plotly_script() -> str:
     needed("plotly", "the page that moves", "view")
     from plotly.offline import get_plotlyjs
 
-    script: str = get_plotlyjs()
-    return script
+    return get_plotlyjs()
 
 
 def page(content: dict[str, Any], plotly: str) -> str:

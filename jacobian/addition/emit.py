@@ -171,8 +171,7 @@ def maker(formulas: Formulas, known: tuple[tuple[str, int], ...], style: Any) ->
     """The function ``made`` that the text of :func:`text_of` defines."""
     defined: dict[str, Any] = {"cantor": cantor, "trimmed": trimmed}
     exec(compile(text_of(formulas, known, style), "<explicit formulas>", "exec"), defined)
-    made: Callable[..., Any] = defined["made"]
-    return made
+    return defined["made"]
 
 
 def trimmed(v: tuple[Any, ...], zero: Any) -> tuple[Any, ...]:

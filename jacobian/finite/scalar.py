@@ -50,8 +50,7 @@ class FixedBase(Immutable):
             if digit:
                 entry = self._row(i)[abs(digit) - 1]
                 total = total + (entry if digit > 0 else -entry)
-        result: Divisor = total if m >= 0 else -total
-        return result
+        return total if m >= 0 else -total
 
     __mul__ = __rmul__ = __call__
     __array_ufunc__ = None

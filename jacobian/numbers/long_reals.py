@@ -47,8 +47,7 @@ class BareReals:
 
     def at(self, bits: int) -> AbstractContextManager[Any]:
         """A context in which operations round to ``bits`` bits."""
-        result: AbstractContextManager[Any] = self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
-        return result
+        return self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
 
     def number(self, x: Any) -> Any:
         """x as a number of this kind. x is an int, a float, an mpf of any context or a number of this kind. An x of

@@ -73,8 +73,7 @@ class AbelMap(AbelImage):
         distances = [abs(c - nearest(c)) for c in self.periods.coordinates(target)]
         J = self.curve.jacobian()
         if max(distances) < self.cover.numbers.ten(-self.cover.numbers.digits // 2):
-            zero: Divisor = J.zero()
-            return zero
+            return J.zero()
         points = self._polished(self._rough_inverse(target), target)
         field = self.field
         try:

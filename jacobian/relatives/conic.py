@@ -134,8 +134,7 @@ class Representative(Immutable):
 
     def divisor(self) -> Divisor:
         """The class ``from_mumford(u, v)`` in the Jacobian, the same for all pairs of the pencil (exact fields)."""
-        result: Divisor = self.curve.jacobian().from_mumford(self.u, self.v)
-        return result
+        return self.curve.jacobian().from_mumford(self.u, self.v)
 
     def ray_class(self, x0: Any = None) -> RayClass:
         """The class of the pair in ``RayClassGroup(curve, x0)`` (exact fields; g odd for ``x0`` = None, x₀ = ∞)."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.veselova import Veselova
@@ -106,3 +108,10 @@ def test_a_spectrum_is_drawn() -> None:
     pytest.importorskip("matplotlib")
     figure = flow_of("galaxy", 3).spectrum().figure()
     assert [axes.get_ylabel() for axes in figure.axes] == ["amplitude of q", "amplitude of p"]
+
+
+def test_a_motion_at_rest_has_no_lines() -> None:
+    """It raised a ValueError of zip; a star at rest in the centre was divided by 0."""
+    for system in (HenonHeiles.with_frequencies(1, 1.25), KuzminKutuzov((1.0, 0.5))):
+        n = system.size
+        assert len(system.flow(system.state((0.0,) * n, (0.0,) * n)).spectrum()) == 0
