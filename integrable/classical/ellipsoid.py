@@ -43,7 +43,8 @@ class Ellipsoid(SurfaceSystem):
     """
 
     _constraint_names = ("Σq_i²/a_i = 1", "Σq_i p_i/a_i = 0", "p ≠ 0")
-    _least_axes = 2
+    # with two axes the genus is 1, and t not linear in τ: these motions have no torus
+    _least_axes = 3
 
     @at_once
     def __init__(self, a: Iterable[Value], field: Field = RR) -> None:

@@ -20,7 +20,7 @@ from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from integrable.portrait.state_flow import StateFlow, largest_rate
 from jacobian import RR
 from jacobian.element import Element, FormulaField, Numbers, Real
-from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.errors import FieldError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import Immutable, at_once, quick_property
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
@@ -228,11 +228,18 @@ class MumfordFlow(StateFlow[Path], Immutable):
         try:
             return self._by_additions(times)
         except PrecisionLoss:
-            floats: Any = self._over(RR)
-            # in floats, states on the torus have been compared with another method
-            if self._genus <= 2 or self.system.clocked or floats._torus is None:
+            if self._genus <= 2 or self.system.clocked or not self._confirmed_in_floats:
                 raise
             return self._by_rows(times, self._summed, TORUS)
+
+    @cached_property
+    def _confirmed_in_floats(self) -> bool:
+        """Whether the motion in floats has a torus, whose states have been compared with another method."""
+        try:
+            floats: Any = self._over(RR)
+        except FieldError:
+            return False
+        return floats._torus is not None
 
     def _by_rows(self, times: np.ndarray, row: Callable[[Real], Vectors], way: str) -> StatesReached:
         K, places = self.system.field, self._places(times.tolist())

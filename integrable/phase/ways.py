@@ -103,7 +103,9 @@ def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: 
     states = np.empty((len(times), *parts[0][0].states.shape[1:]))
     for part, places in parts:
         states[places] = part.states
-    return StatesReached(", ".join(part.way for part, _ in parts), states, None, max(part.error for part, _ in parts))
+    # a way may itself name several
+    names = dict.fromkeys(name for part, _ in parts for name in part.way.split(", "))
+    return StatesReached(", ".join(names), states, None, max(part.error for part, _ in parts))
 
 
 def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
@@ -123,7 +125,10 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
 def rounded(field: Field, values: Any) -> np.ndarray:
     """An array of numbers of any kind, or nested sequences of them, as an array of numbers of RR or MP(digits)."""
     if field == RR:
-        return np.array(values, dtype=FLOATS)
+        found = np.array(values, dtype=FLOATS)
+        if np.isfinite(found).all():
+            return found
+    # this raises FieldError for an infinite value
     return np.frompyfunc(field.coerce, 1, 1)(np.array(values, dtype=object))
 
 

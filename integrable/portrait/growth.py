@@ -52,12 +52,15 @@ def growth_on_torus(flow: Any, times: np.ndarray) -> np.ndarray:
     by_start = differences(states_through(flow, times), inputs, digits, size)[:, :, :width]
     angles, actions, slopes = differences(numbers_of, inputs, digits, size)
     # of all changes of the start that change one phase and no other phase or action, the least is taken
-    change = np.vstack([angles, actions])[:, :width]
+    sizes, change = np.array(inputs.sizes[:width], dtype=object), np.vstack([angles, actions])[:, :width]
+    change = change * sizes
+    scales = np.array([max(map(abs, row)) or 1 for row in change])
+    change = change / scales[:, None]
     square = change @ change.T
     columns = [pivoted([[*row, row[0] * 0 + (i == k)] for i, row in enumerate(square)]) for k in range(len(angles))]
     if None in columns:
         raise PrecisionLoss("secular: the phases and the actions of this motion are not independent")
-    moved = by_start @ (change.T @ np.array(columns, dtype=object).T)
+    moved = (by_start * sizes) @ (change.T @ np.array(columns, dtype=object).T) / scales[: len(angles)]
     return rounded(flow.system.field, times[:, None, None] * (moved @ slopes))
 
 

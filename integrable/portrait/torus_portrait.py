@@ -68,7 +68,8 @@ class TorusPortrait(Immutable):
         θ + ft if t is linear in τ, with the ``frequencies`` f. NotRepresentable where a point rests.
         """
         found = self._flow._settled_on_torus(phases_of)
-        return tuple((s * x) % 1 for s, (x,) in zip(self._signs, found, strict=False))
+        # a small negative phase modulo 1 may be rounded to 1
+        return tuple((s * x) % 1 % 1 for s, (x, _) in zip(self._signs, found, strict=False))
 
     def _repr_html_(self) -> str:
         return named("what the motion is", [(name, getattr(self, name)) for name in ("frequencies", "actions")])
@@ -88,4 +89,5 @@ def phases_of(torus: OvalsTorus, name: str = "angles") -> list[list[Real]]:
     """The phases of the points at the start; NotRepresentable with the ``name`` of the request where a point rests."""
     if not all(map(torus.moves, torus.ovals)):
         raise NotRepresentable(f"{name}: in this motion a point of the pair rests, which does not know its angle")
-    return [[x] for x in torus.phases]
+    # digits of a phase count from those of a whole turn
+    return [[x, 0 * x + 1] for x in torus.phases]

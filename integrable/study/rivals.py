@@ -91,18 +91,21 @@ def _compile_walks(scene: Scene) -> None:
     """Compiles, or loads from disk, the Taylor series that systems of this kind use for times near the start. The flow
     compiles them by itself only after some use.
     """
-    from integrable.deformations.equations import kind_in
+    from integrable.deformations.deformed_flow import DeformedFlow
+    from integrable.deformations.equations import BY_STEPS, STEPS, kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
-    from integrable.series.steps import steps_for
+    from integrable.series.steps import BEFORE_CURVES, steps_for
 
-    system, _ = scene.start(FLOAT_DIGITS)
+    system, state = scene.start(FLOAT_DIGITS)
+    kind: Any = None
+    moved, plan = system.motion_through(state), steps_for(None)
     if isinstance(system, Hamiltonian):
-        kinds = [kind_in(system, True)]
-    else:
-        kinds = [system.system._kind] if scene.classical else []
-    for kind in filter(None, kinds):
-        for steps in steps_for(None):
-            kind.walk(steps.orders)
+        kind = kind_in(system, True)
+        plan = BEFORE_CURVES if isinstance(moved, DeformedFlow) else STEPS[BY_STEPS]
+    elif scene.classical:
+        kind = system.system._kind
+    for steps in plan if kind else ():
+        kind.walk(steps.orders)
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:

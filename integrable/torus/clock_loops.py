@@ -4,6 +4,7 @@ interpreted.
 
 from __future__ import annotations
 
+from math import floor
 from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
@@ -14,9 +15,8 @@ from jacobian.numbers.abreast import abreast
 # Newton's method with the slope at one point multiplies an error by about the distance of this point from the solution,
 # in turns. It ends when the product of this distance and of the last step is at most LAST_ERROR
 LAST_ERROR, MOST_STEPS, MOST_CORRECTIONS = 1e-18, 100, 8
-# the relative length of the last Newton step: with the larger modes of S, with all modes before a correction in full
-# precision, and without one
-ROUGHLY, NEARLY, EXACT = 1e-5, 1e-5, 1e-9
+# the relative length of the last Newton step with the larger modes of S, and with all modes
+ROUGHLY, EXACT = 1e-5, 1e-9
 
 
 class ClockSeries(NamedTuple):
@@ -101,7 +101,7 @@ def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room:
         phases[2 * i], phases[2 * i + 1] = first + turn1 % 2, second + turn2 % 2
         delays[i] = 0 * times[i]
     solve(clock.rough, clock, phases, delays, ROUGHLY, room)
-    solve(clock.series, clock, phases, delays, EXACT if len(clock.modes) == 0 else NEARLY, room)
+    solve(clock.series, clock, phases, delays, EXACT, room)
     for i in abreast(0, len(times)):
         offsets[i], room.errors[i] = delays[i] + 0 * nu1, 0 * delays[i] + 1
     if len(clock.modes) > 0:
@@ -131,7 +131,7 @@ def solve(series: ClockSeries, clock: Clock, phases: Row, found: Row, near: floa
         for i in abreast(0, len(found)):
             x, low, high, rate, step = found[i], lows[i], highs[i], rates[i], steps[i]
             if step > near:
-                a, b = float(phases[2 * i]) / double1, float(phases[2 * i + 1]) / double2
+                a, b = float(centred(phases[2 * i] / double1)), float(centred(phases[2 * i + 1] / double2))
                 rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, clock.circle)
                 rest += x
                 if rest > 0:
@@ -158,7 +158,7 @@ def correct(clock: Clock, phases: Row, room: ClockRoom) -> None:
             x, reach, error = offsets[i], steps[i], errors[i]
             # a solved x is left as it is, so that a state does not depend on the other times
             if error > LAST_ERROR:
-                p, q = (phases[2 * i] + nu1 * x) / double1, (phases[2 * i + 1] + nu2 * x) / double2
+                p, q = centred((phases[2 * i] + nu1 * x) / double1), centred((phases[2 * i + 1] + nu2 * x) / double2)
                 rest, _ = swing_and_rate(clock.quiet, float(p), float(q), clock.circle)
                 step = (loud_swing(clock, p, q) + x + rest) / room.rates[i]
                 x -= step
@@ -168,6 +168,11 @@ def correct(clock: Clock, phases: Row, room: ClockRoom) -> None:
             offsets[i], steps[i], errors[i] = x, reach, error
         if greatest(errors) <= LAST_ERROR:
             break
+
+
+def centred(turns: Real) -> Real:
+    """A phase in turns, reduced to −½ … ½: multiples of it in floats then have the least errors."""
+    return turns - floor(float(turns) + 0.5)
 
 
 def greatest(values: Row) -> float:

@@ -23,7 +23,7 @@ from jacobian import poly
 from jacobian.addition.cantor_flint import Flint, FlintCantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.element import Element, Rng
-from jacobian.errors import ArgumentError, FieldError, Infeasible, shown
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible, shown
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.fields.flint_polynomials import conversions
@@ -50,7 +50,7 @@ def weil_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     FieldError over infinite fields. ``rng`` chooses the shifts, which do not change the value; by default it has a
     fixed seed.
     """
-    m = _check(D, m)
+    m = _check(D, E, m)
     there, back = _at_points(D, E, m), _at_points(E, D, m)
     if there is not None and back is not None:
         K: Any = D.jacobian.field
@@ -70,7 +70,7 @@ def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     It is bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; otherwise
     ArgumentError: extend the field until it does. Everything else is as for :func:`weil_pairing`.
     """
-    m = _check(D, m)
+    m = _check(D, E, m)
     q: Any = D.jacobian.field.order
     if (q - 1) % m:
         raise ArgumentError(
@@ -90,8 +90,10 @@ def tate_pairing(D: Divisor[Element], E: Divisor[Element], m: int, rng: Rng | No
     return move.back(L.power(value, pow(move.degree, -1, m) if m > 1 else 1))
 
 
-def _check(D: Divisor, m: Any) -> int:
+def _check(D: Divisor, E: Divisor, m: Any) -> int:
     m = check_scalar(m, "m")
+    if E.jacobian != D.jacobian:
+        raise CurveMismatch(f"D and E lie on two curves: {D.jacobian.curve!r} and {E.jacobian.curve!r}")
     K = D.jacobian.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: pairings are computed over finite fields")

@@ -279,9 +279,13 @@ class Lift(NamedTuple):
     def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any:
         K = group.field
         kappa, sigma = K.mul(first[0], second[0]), K.mul(first[1], second[1])
+        both = f"both summands contain the branch point x = {written(self.e)}: add them in another order"
         if K.exact:
             if len(step.common) > 1:
-                sigma = K.div(sigma, poly.evaluate(K, step.common, self.e))
+                value = poly.evaluate(K, step.common, self.e)
+                if value == K.zero:
+                    raise NotRepresentable(both)
+                sigma = K.div(sigma, value)
             if sigma != K.zero:
                 return kappa, sigma, K.div(poly.evaluate(K, step.v, self.e), K.mul(kappa, sigma))
             swapped = first[1] != K.zero
@@ -292,9 +296,7 @@ class Lift(NamedTuple):
         top = K.add(near[2], K.mul(near[1], poly.evaluate(K, k, self.e)))
         bottom = K.mul(far[0], far[1])
         if K.exact and bottom == K.zero:
-            raise NotRepresentable(
-                f"both summands contain the branch point x = {written(self.e)}: add them in another order"
-            )
+            raise NotRepresentable(both)
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:

@@ -84,3 +84,15 @@ def test_a_point_at_rest_moves_on_no_axis() -> None:
     found = system.flow(system.state((0, 0, 1), (0, 0, 0))).at([1e6])
     assert found.q.tolist() == [[0, 0, 1]]
     assert not found.p.any()
+
+
+def test_near_and_far_times_name_each_way_once() -> None:
+    system = Neumann((1, 2, 4))
+    path = system.flow(system.state((0.6, 0, 0.8), (0.4, 0, -0.3))).at([0.5, -5e5])
+    assert path.way == "series, torus"
+
+
+def test_numbers_beyond_floats_are_refused_as_before() -> None:
+    lattice = TodaLattice(4, field=MP(30))
+    with pytest.raises(PrecisionLoss, match="additions lose"):
+        lattice.flow(lattice.state((1, -1, 1, -1), ("1e400", "-1e400", "1e400", "-1e400"))).at(["1e-380"])

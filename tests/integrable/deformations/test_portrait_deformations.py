@@ -309,3 +309,31 @@ def test_what_is_refused() -> None:
     exact = Tilde((1, 2, 4), field=GF(101))
     with pytest.raises(ArgumentError, match="RR or MP"):
         exact.flow(exact.state((1, 0, 0), (0, 1, 2)))
+
+
+@pytest.mark.parametrize(
+    ("system", "gamma", "M"),
+    [
+        (Check((1, 1.5, 2)), (3**-0.5,) * 3, (2, -1, -1)),
+        (Check((1, 2, 4)), (1 / 3, 2 / 3, 2 / 3), (-4, 1, 1)),
+        (Tilde((1, 2, 4)), (0.48, 0.64, 0.6), (-0.9, -1.2, 2)),
+    ],
+)
+def test_a_point_that_starts_at_an_end_of_its_oval_has_a_phase_of_zero(system, gamma, M) -> None:
+    """Its phase, noise around 0, had to agree in all digits: PrecisionLoss; a tiny negative phase was 1 modulo 1."""
+    flow = system.flow(system.state(gamma, M))
+    first, second = flow.portrait.angles
+    assert first < 1e-15
+    assert 1e-3 < second < 1
+    assert np.isfinite(flow.sensitivity([1.0]).secular).all()
+
+
+def test_secular_parts_do_not_depend_on_the_unit_of_time() -> None:
+    """Columns in units of γ and of M were mixed: for |M| = 1e-30 half a percent was wrong, for 1e-60 everything."""
+    system, found = SYSTEMS["tilde"], []
+    for unit in (1.0, 2.0**-200):
+        flow = system.flow(system.state(START[0], [unit * x for x in START[1]]))
+        secular = flow.sensitivity([1e4 / unit]).secular[0, :, :6]
+        sizes = np.repeat([1, unit], 3)
+        found.append(secular / sizes[:, None] * sizes)
+    assert abs(found[0] - found[1]).max() < 1e-11 * abs(found[0]).max()

@@ -27,7 +27,7 @@ from integrable.oracles.reference import Solution
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
 from integrable.series.kinds import Kind
-from integrable.series.steps import FINE, WIDE
+from integrable.series.steps import FINE, FINEST, WIDE
 from integrable.study import plan, rivals, runner
 from integrable.study.claims import claims
 from integrable.study.command import planned, report_data, study_of
@@ -820,13 +820,14 @@ def test_the_walks_of_the_flow_are_compiled_before_it_is_timed(monkeypatch):
     """Compiling is no part of a run."""
     asked = []
     monkeypatch.setattr(Kind, "walk", lambda kind, orders: asked.append((kind.name, orders)))
-    for name in ("chaplygin", "garnier", "tilde"):
+    for name in ("chaplygin", "garnier", "tilde", "gyroscopic"):
         rivals._compile_walks(load_scene(name))
     assert [(name.split("_")[1], *rest) for name, *rest in asked] == [
         ("garnier", WIDE),
         ("garnier", FINE.orders),
         ("tilde", WIDE),
-        ("tilde", FINE.orders),
+        ("gyroscopic", WIDE),
+        ("gyroscopic", FINEST.orders),
     ]
 
 

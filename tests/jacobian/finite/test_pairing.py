@@ -255,6 +255,10 @@ def test_errors_of_pairings():
         J.tate_pairing(D, E, 7)
     with pytest.raises(CurveMismatch, match=r"E = .* does not lie in"):
         J.weil_pairing(D, HyperellipticCurve(GF(29, 2), FIVE).jacobian().zero(), 5)
+    other = HyperellipticCurve(GF(19, 2), (2, *FIVE[1:])).jacobian().zero()
+    for paired in (weil_pairing, tate_pairing):
+        with pytest.raises(CurveMismatch, match="D and E lie on two curves"):
+            paired(D, other, 5)
     rational = HyperellipticCurve(QQ, FIVE).jacobian().zero()
     with pytest.raises(FieldError, match="finite fields"):
         weil_pairing(rational, rational, 5)

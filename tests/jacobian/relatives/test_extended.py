@@ -223,3 +223,13 @@ def test_what_is_refused() -> None:
     f = poly.add(K, poly.mul(K, v, v), poly.mul(K, u, (5, 1)))
     with pytest.raises(NotRepresentable, match="infinity"):
         ExtendedGroup(K, f).reduce(Extended(u, v))
+
+
+def test_summands_that_share_a_branch_point_with_a_lift_are_refused_by_name() -> None:
+    """4D − D was a raw ZeroDivisionError."""
+    K = GF(13)
+    f = poly.from_roots(K, [4, 10, 3, 7, 11])
+    group = ExtendedGroup(K, f, (Lift(4),))
+    D = Extended((5, 7, 1), (9, 10), ((1, 7, K.div(poly.evaluate(K, (9, 10), 4), 7)),))
+    with pytest.raises(NotRepresentable, match="branch point x = 4"):
+        group.multiple(3, D)
