@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -19,6 +20,10 @@ from typing import Any
 from jacobian.interrupts import shielded
 
 __all__ = ["end_with_parent", "processes"]
+
+# where an interrupt ends a process at once, the resource tracker of multiprocessing, a process with the filters of that
+# one, would write warnings about semaphores to stderr
+UNTRACKED = "ignore:resource_tracker:UserWarning"
 
 
 class _Processes(ProcessPoolExecutor):
@@ -32,6 +37,8 @@ class _Processes(ProcessPoolExecutor):
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
     """A pool of ``count`` processes. They are killed if an exception, such as an interrupt, leaves the block."""
+    if UNTRACKED not in sys.warnoptions:
+        sys.warnoptions.append(UNTRACKED)
     # processes are spawned, because a fork would copy the locks of this process's threads
     pool = _Processes(count, mp_context=get_context("spawn"), initializer=end_with_parent)
     try:
