@@ -20,7 +20,8 @@ def mirrored(q: np.ndarray) -> np.ndarray:
     return -np.roll(q[..., ::-1], 1, axis=-1)
 
 
-@pytest.mark.parametrize("drift", [pytest.param(0.0, marks=pytest.mark.slow), 0.25])
+@pytest.mark.slow
+@pytest.mark.parametrize("drift", [0.0, 0.25])
 def test_a_standing_wave_at_any_time(drift) -> None:
     """Additions lost more than 4,000 bits at every time, and raised PrecisionLoss for fewer than six far times."""
     lattice = TodaLattice(5)

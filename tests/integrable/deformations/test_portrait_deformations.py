@@ -97,6 +97,7 @@ def one_loop(system, k):
 
 
 @pytest.mark.thinned(2)
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("k", [0, 1])
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_loop_of_one_point_has_its_period_and_its_action(name, k) -> None:
@@ -113,6 +114,7 @@ def test_the_loop_of_one_point_has_its_period_and_its_action(name, k) -> None:
 # --- runs of both points
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("oval", "end", "place"), [(0, "lower", 0), (1, "upper", 2)])
 @pytest.mark.parametrize("name", FREE)
 def test_crossings_are_those_of_an_integration(name, oval, end, place) -> None:
@@ -145,6 +147,7 @@ def separated(system, run):
     return np.array([np.sort(np.roots(p).real) for p in polynomials])
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("end", ["lower", "upper"])
 @pytest.mark.parametrize("oval", [0, 1])
 def test_a_section_in_poles_is_an_extreme_of_a_separated_variable(oval, end) -> None:
