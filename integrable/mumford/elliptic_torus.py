@@ -317,7 +317,9 @@ def theta_table(N: LongField, k: Real, k1: Real) -> ThetaTable:
     levels, others = means(N, k1), means(N, k) if k else []
     # e^(−πK'/K), where K and K' are proportional to 1/mean(1, k₁) and 1/mean(1, k)
     nome = gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0]) if k else N.zero
-    odd, even, table = list[Real](), list[Real](), list[Real]()
+    odd: list[Real] = []
+    even: list[Real] = []
+    table: list[Real] = []
     power, square = N.one, N.one
     # ``power`` is nome^n, ``square`` is nome^(n²)
     while len(odd) < 2 or square >= N.eps:

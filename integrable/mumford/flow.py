@@ -344,7 +344,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
     def _by_variations(self, run: Path) -> Sensitivity | None:
         from integrable.mumford.variations import near_sensitivity
 
-        return near_sensitivity(self, run.times.copy()) if self._in_floats else None
+        return near_sensitivity(self, run.times.copy(), LONGEST) if self._in_floats else None
 
     @property
     def _numbers(self) -> tuple[Real, ...]:

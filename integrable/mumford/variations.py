@@ -21,13 +21,10 @@ from jacobian.element import FormulaField, Real
 from jacobian.errors import ArgumentError
 from jacobian.immutable import made_once
 
-# the walks of one input take at most about LONGEST microseconds
-LONGEST = 150_000
 
-
-def near_sensitivity(flow: Any, times: np.ndarray) -> Sensitivity | None:
+def near_sensitivity(flow: Any, times: np.ndarray, longest: float) -> Sensitivity | None:
     """The derivatives of the states of a :class:`integrable.mumford.flow.MumfordFlow` over RR; None if series do not
-    reach all ``times``.
+    reach all ``times``. A walk takes at most about ``longest`` microseconds.
     """
     (inputs, names), system, width = flow._inputs(), flow.system, 2 * flow.system.size
     varied = [k for k, size in enumerate(inputs.sizes) if size]
@@ -40,7 +37,7 @@ def near_sensitivity(flow: Any, times: np.ndarray) -> Sensitivity | None:
         change = [0.0] * len(inputs.numbers)
         change[k] = 1.0
         given = (*inputs.numbers[width:], *change[width:], 0.0), (*inputs.numbers[:width], *change[:width])
-        near = kind.finished(kind.walked(*given, times, LONGEST), *given, times, LONGEST)
+        near = kind.finished(kind.walked(*given, times, longest), *given, times, longest)
         if near.lacks(len(times)):
             return None
         reached = slice(None) if near.places is None else near.places

@@ -24,8 +24,8 @@ from jacobian.inexact.stacked import Pair, Total
 
 Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 
-# the field's own digits are tried if the leading coefficient of f, and the largest term of f at the smallest |x| of a
-# point, are at least 2^−SPREAD in units in which |x| ≤ 1 at all points and f is of size 1 at |x| = 1
+# Units are such that |x| ≤ 1 at all points and that f is of size 1 at |x| = 1. The field's own digits are tried if the
+# leading coefficient of f is at least 2^−SPREAD, and so is the largest term of f at the point with the smallest |x|
 SPREAD = 24
 # the largest remainder of a division that counts as rounding, in units of the last digit
 REMAINDER = 64

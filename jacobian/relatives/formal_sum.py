@@ -33,10 +33,11 @@ MOST_POINTS = 2000
 class FormalSum(Immutable):
     """A divisor Σ m_P P of ``curve``, rational over its exact field, with ``+``, ``−``, ``m * A``, ``==`` and ``hash``.
 
-    ``u``, ``v``: the part without opposite points; ``numerator``, ``denominator``: coprime monic polynomials; the
-    points over roots of ``numerator`` are added, those over roots of ``denominator`` subtracted; ``weights``: the
-    multiplicities of ``curve.points_at_infinity()``, or of the one place of degree two of an inert model. Formal sums
-    are made by :meth:`zero`, :meth:`from_points`, :meth:`from_divisor` and :func:`principal_divisor`.
+    ``u`` and ``v`` are the part without opposite points. ``numerator`` and ``denominator`` are coprime monic
+    polynomials. The points over roots of ``numerator`` are added, those over roots of ``denominator`` are
+    subtracted. ``weights`` are the multiplicities of ``curve.points_at_infinity()``, or of the one place of degree
+    two of an inert model. Formal sums are made by :meth:`zero`, :meth:`from_points`, :meth:`from_divisor` and
+    :func:`principal_divisor`.
     """
 
     def __init__(
