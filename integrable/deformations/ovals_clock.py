@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import inf, isqrt, log, log2, pi
 
+import gmpy2
 import numpy as np
 
 from integrable.deformations.oval import Pace
@@ -94,8 +95,6 @@ def mean_of_pace(pace: Pace, digits: int) -> Real:
     Its mean over one phase is (π/2K)∫dφ/√((1 − k²sin²φ)(P cos²φ + Q sin²φ)) from 0 to π/2, a quotient of two
     arithmetic-geometric means. The other phase is the one whose modes decay faster.
     """
-    import gmpy2
-
     N, sizes = pace.field, series_sizes(pace, digits)
     k = 0 if sizes[0] < sizes[1] else 1
     # the mean of samples at n intervals of half a period contains the modes of order 2n, 4n, …
@@ -119,8 +118,6 @@ def series_sizes(pace: Pace, digits: int) -> tuple[int, int]:
     The abscissa on curve k is Z = μ_k·z_k with μ1 > 0 > μ2. On the second curve a zero of g² has a Z above all branch
     points, and is as far from the real axis as the pole. On the first curve its Z is below them, and it is nearer.
     """
-    import gmpy2
-
     d, (one, two), (below, beside) = pace.d, pace.curves, pace.levels
     share = pace.weights[1] / pace.weights[0]
     zero = -(1 + share * (1 + d * min(beside[:2]))) / d

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import gmpy2
 import numpy as np
 
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
@@ -150,8 +151,6 @@ def oval_of_cubic(K: LongField, q: poly.Poly, shift: Real, z: Real, slope: Real)
 
 def roots_of_cubic(K: LongField, g2: Real, g3: Real) -> list[Real]:
     """The real roots of 4Z³ − g2Z − g3 in ascending order, by Viète's formula with cos 3θ."""
-    import gmpy2
-
     # rounding may push the cosine beyond 1 at an equilibrium, where the oval is a point
     cosine = max(-K.one, min(K.one, g3 * K.sqrt(27 / g2**3)))
     third, radius = gmpy2.acos(cosine) / 3, K.sqrt(g2 / 3)
