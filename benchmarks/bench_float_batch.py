@@ -80,7 +80,7 @@ def _random_divisors(field: Any, f: tuple[complex, ...]) -> DivisorArray:
 
 def _rows(few: DivisorArray, size: int, repeats: int) -> list[dict[str, object]]:
     curve = few.jacobian.curve
-    f = np.array([*curve.f, *[0.0] * 7][: 6 if curve.field == RR and len(curve.f) == 6 else 7])
+    f = np.array([*curve.f, *[0.0] * 7][: 6 if curve.field is RR and len(curve.f) == 6 else 7])
     E, A = few[0], few[np.resize(np.arange(1, len(few)), size)]
     first, second = _columns(A), _columns(DivisorArray.stack([E]))
     sums = FloatSums(curve)

@@ -92,7 +92,7 @@ def _integrator() -> Any:
 
 
 def _motion(field: Any, J: np.ndarray, R: Any, omega: np.ndarray, ball: bool) -> Any:
-    R = R.astype(float) if field == RR else R
+    R = R.astype(float) if field is RR else R
     if ball:
         return RollingBall(J, MASS, RADIUS, field=field).motion(R, omega, CONTACT)
     return RigidBody(J, field=field).motion(R, omega)

@@ -205,7 +205,7 @@ class Wave:
         K = self.kdv.field
         found = []
         for name, values in (("x", x), ("t", t)):
-            read = np.vectorize(partial(K.coerce, argument=name), otypes=[float if K == RR else object])
+            read = np.vectorize(partial(K.coerce, argument=name), otypes=[float if K is RR else object])
             found.append(read(np.array(values, dtype=object)))
         try:
             return [*np.broadcast_arrays(*found)]
@@ -216,7 +216,7 @@ class Wave:
 
     def _at_one_time(self, xs: np.ndarray, t: Real) -> Sequence[Real] | np.ndarray:
         """u at many x and one t: for MANY x or more in floats by :meth:`_profile`, else by additions."""
-        if self._genus and self.kdv.field == RR and not interpreted() and len(xs) >= MANY:
+        if self._genus and self.kdv.field is RR and not interpreted() and len(xs) >= MANY:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
             if profile is not None and carries and profile.reaches(xs):

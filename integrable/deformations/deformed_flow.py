@@ -68,7 +68,7 @@ class DeformedFlow(HamiltonianMotion):
     def _is_ordinary(self) -> bool:
         """Whether a check in floats proves that the set-up will raise no error."""
         system = self.system
-        if system.field != RR or len({*system.body.inertia}) < 3 or min(system.body.contact) < ORDINARY:
+        if system.field is not RR or len({*system.body.inertia}) < 3 or min(system.body.contact) < ORDINARY:
             return False
         H, product = map(abs, system.eigenvalue_sums(*system._pair_at(self.state)))
         large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
@@ -97,7 +97,7 @@ class DeformedFlow(HamiltonianMotion):
             return None
 
     def _ways(self) -> Iterator[Way]:
-        if self.system.field == RR:
+        if self.system.field is RR:
             yield NearWalk(self, BY_CLOCK if self.system.body.rolls else self._cost)
             if not interpreted():
                 yield self._compiled

@@ -84,7 +84,7 @@ class NearWalk(Integration):
 
     def run(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         system, state = self._motion.system, self._motion.state
-        if system.field != RR:
+        if system.field is not RR:
             return None
         kind, rolls = kind_in(system, physical), system.body.rolls
         # at d ≠ 0 a third vector follows γ and M: (τ, 0, 0), or (t, 0, 0) if the walk is in τ

@@ -168,7 +168,7 @@ class Hamiltonian(Made):
         state = state_of_row(jets.variables(self._checked(state).row))
         system = self._of_constants(jets, [*map(jets.constant, self.constants)])
         rates = system._rates(state).row
-        return np.array([jets.coerce(x).slopes for x in rates], dtype=float if self.field == RR else object)
+        return np.array([jets.coerce(x).slopes for x in rates], dtype=float if self.field is RR else object)
 
     def rates_in(self, numbers: Field, y: Sequence[Real]) -> list[Real]:
         """(γ̇, Ṁ) at y = (γ, M), over a field whose elements overload the operators, such as symbolic expressions."""

@@ -169,7 +169,7 @@ class PoleFlow(DeformedFlow):
 
     def spectrum(self) -> Spectrum:
         portrait, system = self.portrait, self.system
-        if system.field != RR:
+        if system.field is not RR:
             raise NotRepresentable(f"spectrum: it is computed in floats, this flow is over {system.field.name}")
 
         def read(phases: np.ndarray) -> dict[str, np.ndarray]:

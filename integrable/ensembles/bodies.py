@@ -63,7 +63,7 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
             f"system = {shown(system)}: give a system, such as ChaplyginBall((1, 2, 3), 0.7); bodies of the laboratory "
             "are for laboratory_ensemble"
         )
-    if system.field != RR:
+    if system.field is not RR:
         raise ArgumentError(f"system = {shown(system)}: an ensemble is of floats; use system.flow(...) for each member")
     own = {"inertia": inertia is not None, "d": d is not None}
     for name, given in own.items():

@@ -54,7 +54,7 @@ def laboratory_ensemble(
     A refused member does not affect the others: see :attr:`LaboratoryRuns.status`. ArgumentError for shapes that do not
     broadcast and another field.
     """
-    if not isinstance(body, RigidBody) or body.field != RR:
+    if not isinstance(body, RigidBody) or body.field is not RR:
         raise ArgumentError(f"body = {shown(body)}: give a RollingBall or a RigidBody of floats")
     if contact is not None and body.radius is None:
         raise ArgumentError("contact: a free body has none; leave it out")

@@ -49,7 +49,7 @@ class PathEnsemble(Starts[MumfordFlow, "Paths"]):
     _arrays = ("q", "p")
 
     def __init__(self, system: MumfordSystem, q: Table, p: Table, tolerance: float | None = None) -> None:
-        if system.field != RR:
+        if system.field is not RR:
             raise ArgumentError(
                 f"system = {shown(system)}: an ensemble is of floats; use system.flow(...) for each member"
             )

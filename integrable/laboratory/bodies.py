@@ -211,7 +211,7 @@ class RollingBall(RigidBody):
 
 
 def _wide_field(field: Field) -> Any:
-    if field == RR:
+    if field is RR:
         return MP(SET_UP_DIGITS)
     if type(field) is not type(MP(15)) or field.complex:
         raise ArgumentError(f"field = {shown(field)}: a body in the laboratory is over RR or MP(digits)")
@@ -220,7 +220,7 @@ def _wide_field(field: Field) -> Any:
 
 def _inner(field: Any, lost: int) -> Any:
     """The field over which a flow is computed if its states lose ``lost`` digits in the conversion to orientations."""
-    if field == RR:
+    if field is RR:
         return MP(ROUNDED_TO_FLOATS + lost) if lost else RR
     return MP(field.dps + INNER + lost)
 

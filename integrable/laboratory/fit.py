@@ -67,7 +67,7 @@ def fitted(guess: Any, times: Numbers, orientations: Iterable[object]) -> Orient
     from scipy.optimize import least_squares
 
     body = guess.body
-    if body.field != RR or body.mass is not None:
+    if body.field is not RR or body.mass is not None:
         raise ArgumentError(f"fitted: of {body!r}; it takes a free body over RR")
     instants = guess.at(times).times
     if len(instants) < LEAST_COUNT:

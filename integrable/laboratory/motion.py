@@ -55,7 +55,7 @@ class LaboratoryMotion(Immutable):
         """
         field = self.body.field
         items = [field.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
-        return LaboratoryRun(self, np.array(items, dtype=float if field == RR else object))
+        return LaboratoryRun(self, np.array(items, dtype=float if field is RR else object))
 
     @property
     def portrait(self) -> Portrait:

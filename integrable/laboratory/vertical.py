@@ -42,7 +42,7 @@ class Vertical(Along):
         """The path of the point of contact from the start."""
         K = self._field
         pace, advance, wide = self._rates
-        if K == RR:
+        if K is RR:
             counts, rest = LONG.turns_of(times, pace, wide.zero)
             inside = self._path((rest / np.longdouble(float(pace))).astype(float))
             half = 2 * np.pi * LONG.turns_of(counts, advance / 2, wide.zero)[1].astype(float)
@@ -94,7 +94,7 @@ class Vertical(Along):
 
     def _path(self, times: np.ndarray) -> Any:
         """The path of the point of contact at times within half a period of γ before or after the start."""
-        if self._field != RR:
+        if self._field is not RR:
             return np.array([self._by_gauss(t) for t in times], dtype=object).reshape(-1, 2)
         found = np.zeros((len(times), 2))
         for sign, panels in zip((1, -1), self._panels, strict=True):

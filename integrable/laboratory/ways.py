@@ -42,13 +42,13 @@ class WideFlow(Flow):
     def setup(self) -> Setup:
         """The set-up of the motion, made from the wide body and state."""
         body, state = self._wide_body, self._wide_state
-        if self.system.field != RR:
+        if self.system.field is not RR:
             return Setup(body, *state.vectors, state.tilted, self.system.field.dps)
         return Setup(Body(body.inertia, body.d, RR), *state.vectors, state.tilted)
 
     @cached_property
     def _closed(self) -> Way | None:
-        if self.system.field != RR or not self._equal:
+        if self.system.field is not RR or not self._equal:
             return super()._closed
         return SymmetricFlow(replaced(self.system, body=self._wide_body), self._wide_state)
 
@@ -84,7 +84,7 @@ class Uniform:
     def _circle(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cosine and sine of the angle of rotation at ``times``."""
         wide = self._wide
-        if self._field != RR:
+        if self._field is not RR:
             angles = [self._rate * t for t in times]
             c, s = (np.array([f(x) for x in angles], dtype=object) for f in (wide.cos, wide.sin))
             return numbers(self._field, c), numbers(self._field, s)
@@ -117,4 +117,4 @@ class Along:
 
 def numbers(field: Field, values: Any) -> np.ndarray:
     """The values as an array of numbers of ``field``."""
-    return np.asarray(values).astype(float) if field == RR else np.frompyfunc(field.coerce, 1, 1)(values)
+    return np.asarray(values).astype(float) if field is RR else np.frompyfunc(field.coerce, 1, 1)(values)

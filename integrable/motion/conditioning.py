@@ -68,7 +68,7 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
     for name, value in inputs.items():
         if value == 0:
             continue
-        change = FLOAT_CHANGE if field == RR else 2.0**-52
+        change = FLOAT_CHANGE if field is RR else 2.0**-52
 
         def difference(change: float, name: str = name, value: Real = value) -> list[np.ndarray]:
             moved = inputs | {name: value * (1 + field.coerce(change))}
@@ -77,7 +77,7 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
             return [abs((a - b).astype(float)).max(axis=1) / size for a, b, size in pairs]
 
         found = difference(change)
-        if field == RR and (largest := max(x.max(initial=0) for x in found)) > LINEAR:
+        if field is RR and (largest := max(x.max(initial=0) for x in found)) > LINEAR:
             change *= max(LINEAR / 100 / largest, 1e-6)
             found = difference(change)
         gamma += found[0] / change

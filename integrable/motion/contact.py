@@ -80,7 +80,7 @@ class Rolling:
         """``number`` converts the constants from wide numbers: by default to floats over RR, else not at all."""
         self.flow = flow
         setup = flow.setup
-        number = number or (float if flow.system.field == RR else setup.wide.coerce)
+        number = number or (float if flow.system.field is RR else setup.wide.coerce)
 
         def numbers(*values: Real) -> np.ndarray:
             return np.array([number(x) for x in values])
@@ -140,7 +140,7 @@ class Rolling:
         flow, tau = self.flow, run.tau
         length = PANEL_STEPS * flow.setup.step_length / flow.setup.time_scale
         count = int(max(map(abs, tau), default=0) / length)
-        precise = flow.system.field != RR
+        precise = flow.system.field is not RR
         torus = flow.contact_on_torus if count > (FAR_GAUSS if precise else FAR) else None
         if torus:
             return torus.at(run)
@@ -181,7 +181,7 @@ class Rolling:
             )
 
     def _at(self, sign: int, tau: np.ndarray) -> np.ndarray:
-        if self.flow.system.field != RR:
+        if self.flow.system.field is not RR:
             many = self.flow._precise.many
             states = many.vectors(many.at_tau((sign * tau).tolist()))
             return self.rates(np.array([(*gamma, *M) for gamma, M in states], dtype=object).reshape(-1, 6))
@@ -209,7 +209,7 @@ def on_torus(flow: BodyMotion) -> TorusIntegral | PreciseContact | None:
     from integrable.torus.integrals import TorusIntegral
 
     try:
-        if flow.system.field != RR:
+        if flow.system.field is not RR:
             return PreciseContact(flow)
         torus, rolling = flow._torus, Rolling(flow)
         return TorusIntegral(torus, rolling.rates, rolling.noise) if torus else None

@@ -73,7 +73,7 @@ class SymmetricPath:
     def _primitive(self, factor: Real, slope: Real, constant: Real, x: np.ndarray, root: np.ndarray) -> np.ndarray:
         """The integral factor·∫_0^x dx/√(constant + slope·x²); ``root`` is the value of the square root at x."""
         scale = abs(slope) ** 0.5
-        if self._field == RR:
+        if self._field is RR:
             asinh, atan2 = np.arcsinh, np.arctan2
         else:
             context = self._field.context
@@ -83,5 +83,5 @@ class SymmetricPath:
         return factor / scale * arc
 
     def _numbers(self, x: Real, y: Real, z: Real) -> tuple[Real, Real, Real]:
-        number = float if self._field == RR else self._field.coerce
+        number = float if self._field is RR else self._field.coerce
         return number(x), number(y), number(z)

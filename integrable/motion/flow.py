@@ -83,11 +83,11 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         field = system.body.field
         if type(kernel) is not str or kernel not in KERNELS:
             kernel = one_of(kernel, "kernel", KERNELS, CHOOSE)
-        if kernel == "compiled" and field != RR:
+        if kernel == "compiled" and field is not RR:
             raise ArgumentError(f"kernel = 'compiled' with field = {field.name}: compiled loops exist for RR only")
         vars(self).update(system=system, state=state, kernel=kernel)
         # refused bodies and states are reported here, before any time is given
-        if field == RR:
+        if field is RR:
             check_domain(system, state)
         else:
             _ = self.setup
@@ -194,7 +194,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         """The equations of variation on the torus; None over MP(digits), for a closed form, without compiled loops, or
         if floats do not suffice.
         """
-        if self.system.field != RR or self._closed or not (self._torus and self._torus.compiled):
+        if self.system.field is not RR or self._closed or not (self._torus and self._torus.compiled):
             return None
         from integrable.portrait.sensitivity import TorusVariations
 
@@ -204,7 +204,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
             return None
 
     def _ways(self) -> Iterator[Way]:
-        floats, turns = self.system.body.field == RR, rotation_axis(self.state) is not None
+        floats, turns = self.system.body.field is RR, rotation_axis(self.state) is not None
         # closed forms are faster than short runs for rotations, and for equal moments where nothing is compiled
         if floats and self.kernel != "compiled" and not turns and (not self._equal or self._compiled):
             yield self._near
@@ -231,7 +231,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         from integrable.motion.precise_clock import ClockLimits
 
         field, body = self.system.field, self.system.body
-        if field != RR:
+        if field is not RR:
             return PreciseFlow(body, self.state, field.dps, self.setup)
         limits = ClockLimits(MOST_RATES, CLOCK_DIGITS, self._compiled)
         return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
@@ -246,7 +246,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
         field = self.system.field
-        if field == RR:
+        if field is RR:
             return SymmetricFlow(self.system, self.state)
         return RoundedRows(field, PreciseClosedForm(self.system, self.state, field.dps), SymmetricFlow.way)
 

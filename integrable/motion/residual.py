@@ -32,7 +32,7 @@ def residual_growth(setup: Setup, counts: Iterable[int], kernel: str) -> list[tu
     ]
     compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
     march: Any = addition.march
-    floats = setup.body.field == RR
+    floats = setup.body.field is RR
     problem, step = setup.problem, setup.reals.elements(setup.wide, setup.translations.level(0)[1])
     if floats:
         problem, step = setup.floats, tuple(map(float, step))

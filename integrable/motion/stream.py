@@ -21,7 +21,7 @@ BYTES_OF_A_STATE = 56
 
 def stream(flow: Motion, path: str | os.PathLike[str], start: Number, end: Number, count: int) -> None:
     """Writes equally spaced states of a motion to a file; see :meth:`integrable.motion.flow.Flow.stream`."""
-    if flow.system.field != RR:
+    if flow.system.field is not RR:
         raise ArgumentError(f"field = {flow.system.field.name}: a stream is of floats; use RR")
     count = whole(count, "count", "give an int, 2 or more", 2)
     first, last = (RR.coerce(x, name) for name, x in (("start", start), ("end", end)))

@@ -118,7 +118,7 @@ class Motion(Immutable):
             if len(off):
                 raise PrecisionLoss(f"row {off[0]}: {why}")
             return Trajectory(self, times, tau, rows, way.way)
-        nan = np.nan if self.system.field == RR else self.system.field.context.nan
+        nan = np.nan if self.system.field is RR else self.system.field.context.nan
         found = self._kept(way, given, physical, nan)
         had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
         off, why = self._off(found.rows[had], way.way)

@@ -38,7 +38,7 @@ class Setup:
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False, digits: int | None = None) -> None:
         field = body.field
         own = field.dps if isinstance(field, MultiprecisionField) and not field.complex else None
-        if own is None and field != RR:
+        if own is None and field is not RR:
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")
         self._wanted = own if digits is None else digits
         self.digits = EPS_DIGITS if self._wanted is None else self._wanted + GUARD_DIGITS

@@ -14,7 +14,7 @@ import numpy as np
 
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
-from integrable.phase.precisions import long_digits
+from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from integrable.portrait.state_flow import StateFlow, largest_rate
@@ -100,7 +100,8 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     @at_once
     def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
-        vars(self).update(digits=long_digits(system.field), system=system, start=state, tolerance=tolerance)
+        digits = ROUNDED_TO_FLOATS if system.field is RR else long_digits(system.field)
+        vars(self).update(digits=digits, system=system, start=state, tolerance=tolerance)
 
     @quick_property
     def _genus(self) -> int:
@@ -175,7 +176,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
         :meth:`_budget`. None over a field other than RR, or if the formulas of the system cannot be recorded.
         """
         kind = None if times.dtype.hasobject else self.system._kind
-        return kind and kind.walked(*self._walk_given, times, self._budget(len(times)), self.tolerance)
+        return kind and kind.walked(self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
         """The states in ``near``, and those at further ``times`` that Taylor series with the finest steps reach. The
@@ -185,9 +186,9 @@ class MumfordFlow(StateFlow[Path], Immutable):
             return None
         kind, count = self.system._kind, len(times)
         if near.lacks(count) and self._genus > 2 and not near.exhausted:
-            near = kind.finished(near, *self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
+            near = kind.finished(near, self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
         if near.lacks(count) and self._torus_for(count) is None:
-            near = kind.finished(near, *self._walk_given, times, self._cost_of_additions(count))
+            near = kind.finished(near, self._walk_given, times, self._cost_of_additions(count))
         return StatesReached(SERIES, near.states, near.places, near.error)
 
     @property
@@ -244,7 +245,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
     def _by_rows(self, times: np.ndarray, row: Callable[[Real], Vectors], way: str) -> StatesReached:
         K, places = self.system.field, self._places(times.tolist())
         states = [[[element(K, x) for x in part] for part in row(place)] for place in places]
-        found = np.array(states, dtype=float if K == RR else object).reshape(len(times), 2, self.system.size)
+        found = np.array(states, dtype=float if K is RR else object).reshape(len(times), 2, self.system.size)
         return StatesReached(way, found)
 
     _long_way = ADDITIONS
@@ -279,7 +280,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     @property
     def _in_floats(self) -> bool:
-        return bool(self.system.field == RR and not interpreted())
+        return bool(self.system.field is RR and not interpreted())
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         from integrable.mumford.enclosure import enclosed_path
@@ -367,7 +368,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
     def _separated_in_floats(self, N: LongField, name: str) -> SeparatedTorus:
         """:meth:`_separated` of a flow over RR; NotRepresentable over another field, with ``name`` in the message."""
         K = self.system.field
-        if K != RR:
+        if K is not RR:
             raise NotRepresentable(f"{name}: it is computed in floats, this flow is over {K.name}")
         return self._separated(N)
 
@@ -500,7 +501,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
         kind, given, most = self.system._kind, self._walk_given, self._cost_of_additions(len(times))
         if kind is None:
             return None
-        near = kind.finished(kind.walked(*given, times, most), *given, times, most)
+        near = kind.finished(kind.walked(given, times, most), given, times, most)
         return StatesReached(SERIES, near.states, near.places)
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
@@ -518,6 +519,6 @@ def element(K: Any, x: Real) -> Any:
     """A long number as an element of RR or MP(digits)."""
     from jacobian.numbers.long_reals import BareReals
 
-    if K == RR:
+    if K is RR:
         return float(x)
     return BareReals(64).element(K, x)

@@ -79,7 +79,7 @@ class MumfordSystem(Made):
         """Sets ``field`` and ``constants``; the constants must be at least ``least`` different numbers."""
         wanted = f"a sequence of at least {least} different numbers"
         constants = elements(check_field(field, "field"), values, argument, None, wanted)
-        if len(constants) < least or any(x == y for i, x in enumerate(constants) for y in constants[:i]):
+        if len({*constants}) < max(least, len(constants)):
             raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
         vars(self).update(field=field, constants=constants, size=len(constants))
 
@@ -223,7 +223,7 @@ class MumfordSystem(Made):
         N = self.numbers
         inside = inside or self._inside(N, state)
         # with ``finite=False`` an infinite value raises no PrecisionLoss; below it counts as a violated constraint
-        values = self._formula(self._constraints, state, inside, finite=False)
+        values = self._formula(self._constraints, state, inside, finite=False) if self._constraint_names else ()
         sizes = [None] * len(values) if N.exact or not any(values) else self._constraint_sizes(inside)
         for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
             if value != N.zero and (size is None or not abs(value) < OFF * N.eps * size):
@@ -298,7 +298,7 @@ class MumfordSystem(Made):
         both = jets.variables((*state.q, *state.p))
         rates = self._vector_field(jets, Point(both[:n], both[n:]))
         slopes = [jets.coerce(x).slopes for x in (*rates.q, *rates.p)]
-        return np.array(slopes, dtype=float if self.field == RR else object)
+        return np.array(slopes, dtype=float if self.field is RR else object)
 
     def direction(self, genus: int) -> tuple[Real, ...]:
         """The direction c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
@@ -411,8 +411,8 @@ class MumfordSystem(Made):
     def _check_range(self, state: Point) -> None:
         """:meth:`_check`, and PrecisionLoss if the formulas exceed the range of floats at the state."""
         self._check(state)
-        if self.field == RR and max(map(abs, (*state.q, *state.p))) < self._ordinary_size:
-            sizes = [abs(x) for x in (1.0, *self.constants, *self.parameters) if x]
+        if self.field is RR and max(map(abs, (*state.q, *state.p))) < self._ordinary_size:
+            sizes = [*map(abs, filter(None, (1.0, *self.constants, *self.parameters)))]
             if min(sizes) > 1 / LARGE and max(sizes) < LARGE:
                 return
         self.spectral(state)
@@ -424,7 +424,7 @@ class MumfordSystem(Made):
         if tolerance is None:
             return None
         wanted = "a number between 2^-50 and 1 is needed, of a flow over RR"
-        if self.field != RR or not isinstance(tolerance, int | float) or not LEAST <= tolerance < 1:
+        if self.field is not RR or not isinstance(tolerance, int | float) or not LEAST <= tolerance < 1:
             raise ArgumentError(f"tolerance = {shown(tolerance)}: {wanted}")
         return float(tolerance)
 

@@ -37,7 +37,7 @@ def near_sensitivity(flow: Any, times: np.ndarray, longest: float) -> Sensitivit
         change = [0.0] * len(inputs.numbers)
         change[k] = 1.0
         given = (*inputs.numbers[width:], *change[width:], 0.0), (*inputs.numbers[:width], *change[:width])
-        near = kind.finished(kind.walked(*given, times, longest), *given, times, longest)
+        near = kind.finished(kind.walked(given, times, longest), given, times, longest)
         if near.lacks(len(times)):
             return None
         reached = slice(None) if near.places is None else near.places

@@ -195,7 +195,7 @@ def time_after(tau: arb, rest: arb, rate: Callable[[arb], arb]) -> arb:
 def ball_digits(field: Any, digits: int | None) -> int:
     """``digits``, checked, or the default number of digits of balls: that of the field, 15 for RR."""
     if digits is None:
-        return FLOAT_DIGITS if field == RR else int(field.dps)
+        return FLOAT_DIGITS if field is RR else int(field.dps)
     return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
 
 

@@ -42,7 +42,7 @@ class Made(Immutable):
 
     def __repr__(self) -> str:
         given = [f"{name}={_text(_plain(value))}" for name, value in self.arguments.items()]
-        if self.field != RR:
+        if self.field is not RR:
             given.append(f"field={self.field!r}")
         return f"{type(self).__name__}({', '.join(given)})"
 

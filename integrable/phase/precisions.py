@@ -23,4 +23,4 @@ def long_digits(K: Any) -> int:
     """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
     if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
-    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
+    return ROUNDED_TO_FLOATS if K is RR else int(K.dps)

@@ -110,7 +110,7 @@ def filled(ways: Iterable[Callable[[np.ndarray], StatesReached | None]], times: 
 
 def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
     """``values`` as a new one-dimensional array of finite numbers of RR or MP(digits)."""
-    if field == RR:
+    if field is RR:
         if type(values) is list and _finite_sum(values):
             return np.array(values, dtype=FLOATS)
         if type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1:
@@ -119,12 +119,12 @@ def times_in(field: Field, values: Numbers, argument: str) -> np.ndarray:
             if np.count_nonzero(np.isfinite(found)) == len(found):
                 return found
     items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
-    return np.array(items, dtype=FLOATS if field == RR else object)
+    return np.array(items, dtype=FLOATS if field is RR else object)
 
 
 def rounded(field: Field, values: Any) -> np.ndarray:
     """An array of numbers of any kind, or nested sequences of them, as an array of numbers of RR or MP(digits)."""
-    if field == RR:
+    if field is RR:
         found = np.array(values, dtype=FLOATS)
         if np.isfinite(found).all():
             return found

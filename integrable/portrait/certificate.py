@@ -40,7 +40,7 @@ def agreement(
     fewer than ``digits`` agree. The default of ``digits`` is 12 over RR, and one digit less than the field has over MP.
     """
     own = FLOAT_DIGITS if isinstance(field, RealField) else field.dps
-    wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
+    wanted = own - (FLOAT_SLACK if field is RR else SLACK) if digits is None else digits
     wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
     times, states = run.times, zip(run.q, run.p, strict=True)
     more = max(own + WIDER, LEAST)
@@ -58,7 +58,7 @@ def agreement(
                 f"times[{i}] = {written(times[i])}: computed with {own} and with {more} digits the states agree to "
                 f"{agreeing} digits, not to {wanted}; use more digits"
             )
-    return rounded(RR if field == RR else K, errors), np.array(agree, dtype=int)
+    return rounded(RR if field is RR else K, errors), np.array(agree, dtype=int)
 
 
 def _off(K: MultiprecisionField, found: Iterable[Real], true: Iterable[Real], unit: Real | None = None) -> Real:

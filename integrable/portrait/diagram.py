@@ -39,7 +39,7 @@ class Diagram(Record):
     """
 
     def __init__(self, system: PhaseSpace) -> None:
-        if system.field != RR:
+        if system.field is not RR:
             raise ArgumentError(f"diagram: of a body over RR, not over {system.field.name}")
         self.system = system
         a, inertia = np.array(system.a), np.array(system.inertia)

@@ -99,7 +99,7 @@ def _polished(
     Newton's method uses these slopes in all of its steps.
     """
     field, (begin, slopes, halves) = flow.system.field, found
-    times = np.array([field.coerce(float(t)) for t in begin], dtype=np.float64 if field == RR else object)
+    times = np.array([field.coerce(float(t)) for t in begin], dtype=np.float64 if field is RR else object)
     rates = np.array(slopes, dtype=times.dtype)
     before = np.full(len(times), np.inf)
     for _ in range(MOST_STEPS):
@@ -111,7 +111,7 @@ def _polished(
         moving = (sizes < before / 2) & (sizes < NEAR * halves)
         if not moving.any():
             right = (sizes < SHARP * halves) & (np.abs((times - begin).astype(float)) < NEAR * halves)
-            if field != RR and not right.all():
+            if field is not RR and not right.all():
                 raise PrecisionLoss(
                     f"near t = {begin[~right][0]} floats do not tell whether the condition changes its sign; search "
                     "there in floats, or nearer to 0"

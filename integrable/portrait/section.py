@@ -182,7 +182,7 @@ def tilde(flow: Any, run: Any) -> tuple[np.ndarray, np.ndarray]:
 def _refined(flow: Any, tau: np.ndarray, axis: int) -> Any:
     """The Trajectory at the crossings near τ, by Newton steps on the flow, each of which doubles the digits."""
     K = flow.system.field
-    for _ in range(1 if K == RR else math.ceil(math.log2(K.dps / ROUGH_DIGITS)) + 1):
+    for _ in range(1 if K is RR else math.ceil(math.log2(K.dps / ROUGH_DIGITS)) + 1):
         run = flow.at_tau(tau)
         gamma, _ = tilde(flow, run)
         rate = np.cross(gamma, run.omega)[:, axis]

@@ -104,7 +104,7 @@ def states_through(flow: Any, times: np.ndarray) -> FlowMap:
 def expected(flow: Any, times: np.ndarray) -> tuple[int, float]:
     """The number of digits to which a flow's derivatives are computed, and the approximate size of the derivatives."""
     farthest, field = max((abs(float(t)) for t in times), default=0.0), flow.system.field
-    return ROUNDED_TO_FLOATS if field == RR else field.dps, 1 + 10 * farthest * flow._fastest
+    return ROUNDED_TO_FLOATS if field is RR else field.dps, 1 + 10 * farthest * flow._fastest
 
 
 class TorusVariations:

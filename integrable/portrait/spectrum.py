@@ -155,7 +155,7 @@ def body_states(flow: Any) -> Sampled:
 
     NotRepresentable over another field and where the motion is on no torus of dimension two.
     """
-    if flow.system.field != RR:
+    if flow.system.field is not RR:
         raise NotRepresentable(f"spectrum: lines are computed in floats, this flow is over {flow.system.field.name}")
     portrait, body = flow.portrait, flow.system.body
     portrait.moving("spectrum")

@@ -65,7 +65,7 @@ class Orbit(Trajectory):
 
 
 def _kind(system: Any) -> Any:
-    return np.float64 if system.field == RR else object
+    return np.float64 if system.field is RR else object
 
 
 def orbit(step: Step, state: State, count: int) -> Orbit:

@@ -121,28 +121,18 @@ class Kind:
                 kept.keep(folder, name, machine.name(), found)
         return Compiled(room, self.count, self.half, machine.loaded(found.code, Codes._fields))
 
-    def walked(
-        self,
-        constants: Sequence[float],
-        state: Sequence[float],
-        times: np.ndarray,
-        most: float,
-        tolerance: float | None = None,
-    ) -> Near:
+    def walked(self, given: Departure, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
         """The states at those times that are reached within about ``most`` microseconds, with coarser steps where an
         error of ``tolerance`` is allowed.
         """
-        return self.reached((constants, state), times, most, steps_for(tolerance))
+        return self.reached(given, times, most, steps_for(tolerance))
 
-    def finished(
-        self, near: Near, constants: Sequence[float], state: Sequence[float], times: np.ndarray, most: float
-    ) -> Near:
+    def finished(self, near: Near, given: Departure, times: np.ndarray, most: float) -> Near:
         """``near`` and the states at the remaining times, by finer steps."""
         if near.places is None or not near.lacks(len(times)):
             return near
         left = np.delete(np.arange(len(times)), near.places)
-        more = self.reached((constants, state), times[left], most, (FINEST,))
-        return self._joined([near, more.among(left)])
+        return self._joined([near, self.reached(given, times[left], most, (FINEST,)).among(left)])
 
     def reached(self, given: Departure, times: np.ndarray, most: float, plan: Sequence[Steps]) -> Near:
         """The states at times of either sign, in any order, that the steps of ``plan``, tried in turn, reach.

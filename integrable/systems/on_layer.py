@@ -65,7 +65,7 @@ class BodyOnLayer(BodySystem):
         if d == self.field.zero:
             raise ArgumentError("d = 0: the curve of a top has genus 1, and its pair has degree 2; give d ≠ 0")
         self._check(state)
-        if self.field == RR and d > 0:
+        if self.field is RR and d > 0:
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 

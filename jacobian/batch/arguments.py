@@ -40,7 +40,7 @@ def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:
         if a.size and not 0 <= a.min() <= a.max() < K.order:
             raise FieldError(f"{name}: elements of {K.name} are the ints 0 … {K.order - 1}")
         return a.astype(np.int64)
-    known = (np.float64,) if K == RR else (np.float64, np.complex128) if K == CC else ()
+    known = (np.float64,) if K is RR else (np.float64, np.complex128) if K == CC else ()
     if a.dtype in known and np.isfinite(a).all():
         return a
     found = np.empty(a.shape, object)

@@ -59,7 +59,7 @@ class FloatSums:
 
     def __init__(self, curve: HyperellipticCurve) -> None:
         K = curve.field
-        real_quintic = K == RR and curve.model == "ramified"
+        real_quintic = K is RR and curve.model == "ramified"
         half = tuple(c / 2 for c in curve.h)
         f = poly.add(K, curve.f, poly.mul(K, half, half)) if half else curve.f
         self.dtype = np.dtype(type(K.one))

@@ -293,7 +293,7 @@ def test_series_confirm_the_torus_of_very_unequal_moments(monkeypatch):
     monkeypatch.delattr(BodyFlow, "_places")
     times = [-7.344171024925524e-08, -8.380193915832079e-07, -2.7884953249485633e-05]
     flow = system.flow(state)
-    far, near = flow.at([*times, 1.0]), system._kind.walked(*flow._walk_given, np.array(times), 1e6)
+    far, near = flow.at([*times, 1.0]), system._kind.walked(flow._walk_given, np.array(times), 1e6)
     assert far.way == "series, torus"
     assert abs(far.q[:3] - near.states[:, 0]).max() < 1e-15
     assert abs(far.p[:3] - near.states[:, 1]).max() < 1e-12

@@ -160,7 +160,7 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0))
     times = np.array([100.0, 400.0])
     kind, given = system._kind, system.flow(state)._walk_given
-    near = kind.finished(kind.walked(*given, times, 3e4), *given, times, 3e4)
+    near = kind.finished(kind.walked(given, times, 3e4), given, times, 3e4)
     assert not near.lacks(2)
     expected = by_additions(system, state, times)
     assert_rounded(Path(times, near.states.reshape(2, -1)), expected)

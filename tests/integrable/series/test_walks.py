@@ -51,7 +51,7 @@ def off(found, true):
 def test_the_compiled_walk_and_the_recurrences_differ_by_rounding_only(name, n) -> None:
     system, state = REAL[name](RR, n)
     times = np.array([7.0, -3.0, 0.0, 0.5, 21.0])
-    near = system._kind.walked(*system.flow(state)._walk_given, times, 3e4)
+    near = system._kind.walked(system.flow(state)._walk_given, times, 3e4)
     assert sorted(near.places) == [0, 1, 2, 3, 4]
     found = near.states[np.argsort(near.places)]
     true = states_of(system._kind, *system.flow(state)._walk_given, times)
@@ -312,7 +312,7 @@ def test_long_units_of_time_are_walked_as_far(size) -> None:
     state = system.state((size, 0.0, 0.0), (0.0, 0.6, 0.8))
     one = Ellipsoid((1.0, 2.0, 4.0))
     times = np.linspace(0, 100, 11)
-    near = system._kind.walked(*system.flow(state)._walk_given, size * times, 3e4)
+    near = system._kind.walked(system.flow(state)._walk_given, size * times, 3e4)
     assert near.places is None
     true = both(one.flow(one.state((1.0, 0.0, 0.0), (0.0, 0.6, 0.8))).at(times))
     assert off(near.states, true * np.array([[size], [1.0]])) < 1e-14
