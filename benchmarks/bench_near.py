@@ -24,7 +24,7 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
-from integrable.deformations.equations import kind_in
+from integrable.motion.near import kind_in
 from integrable.oracles.methods import METHODS
 from integrable.scene.classical import ClassicalSystem
 from integrable.series.steps import FINE, MIDDLE, PLAIN, WIDE
@@ -37,13 +37,14 @@ BESIDE: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "spherical pendulum": (SphericalPendulum(), (0.6, 0, -0.8), (0.4, 0.5, 0.3)),
 }
 LENGTHS = (1, 10, 100, 1000)
+BODIES = ("chaplygin", "tilted_ball", "euler_top", "thin_ball")
 DEFORMED = ("check", "hat", "tilde", "tilde_poles", "gyroscopic")
 TOLERANCE, LOOSE = 1e-15, 1e-12
 Row = dict[str, object]
 
 
 def run(smoke: bool) -> list[Row]:
-    """A row for each system, the median and the worst of their ratios, and rows of deformations."""
+    """A row for each system, the median and the worst of their ratios, and rows of bodies and deformations."""
     lengths, few = ((1,), 1) if smoke else (LENGTHS, None)
     rows = [_classical(name, *motion, lengths) for name, motion in list((MOTIONS | BESIDE).items())[:few]]
     ratios = [name for name, ratio in rows[0].items() if name.endswith("÷ heyoka") and ratio is not None]
@@ -51,7 +52,8 @@ def run(smoke: bool) -> list[Row]:
         {"system": word, **{name: what([float(str(row[name])) for row in rows]) for name in ratios}}
         for word, what in (("median", median), ("worst", max))
     ]
-    return [*rows, *summary, *(_deformed(scene, lengths[:3]) for scene in DEFORMED[:few])]
+    scenes = (*((scene, lengths) for scene in BODIES[:few]), *((scene, lengths[:3]) for scene in DEFORMED[:few]))
+    return [*rows, *summary, *(_of_scene(*scene) for scene in scenes)]
 
 
 def _classical(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...]) -> Row:
@@ -72,16 +74,16 @@ def _classical(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...])
     return row | {"additions, two points, ms": 1e3 * seconds, "error": float(max(gaps))}
 
 
-def _deformed(scene: str, lengths: tuple[int, ...]) -> Row:
-    """The row of a scene that is a deformation."""
+def _of_scene(scene: str, lengths: tuple[int, ...]) -> Row:
+    """The row of a scene."""
     system, state = problem(scene)
-    arguments = system.arguments
+    arguments, given = system.arguments, {"tilted": True} if state.tilted else {}
     for orders in (WIDE, FINE.orders):
-        kind_in(system, True).walk(orders)
+        kind_in(system, True, state.tilted).walk(orders)
 
     def fresh() -> tuple[Any, Any]:
         made = type(system)(**arguments)
-        return made, made.state(state.gamma, state.M)
+        return made, made.state(*state.vectors, **given)
 
     return {"system": scene} | _beside(fresh, system, state, 1.0, lengths)
 

@@ -1,16 +1,17 @@
-"""The choice of "auto" between a short run and a torus, compared with the cheaper one, and the costs it is based on.
+"""The choice of "auto" between a walk, a short run and a torus, compared with the cheapest, and the costs it rests on.
 
 The first rows are the constants of the cost model of :mod:`integrable.motion.short`, in microseconds of processor time:
 as they are ``kept`` there, and as they are ``measured`` here on each scene.
 
-The next rows are for fresh flows with a number of times up to T. They have the milliseconds of a short run of any
-length (a dash where its checks fail) and of the torus, and the choice of "auto". ``lost`` is the time of that choice
-relative to the cheaper of the two. A choice is good if it loses little, or if it is a torus that takes at most twice as
-long. The last row says in how many cases the slower one was chosen, and the most that was lost.
+The next rows are for fresh flows with a number of times up to T. They have the milliseconds of a walk and a short run
+of any length (a dash where their checks fail), of the torus, and of "auto" with its choice. ``lost`` is the time of
+"auto" relative to the cheapest. A choice is good if it loses little, or if it is a torus that takes at most twice as
+long. The last row says in how many cases a slower one was chosen, and the most that was lost.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 from unittest.mock import patch
@@ -20,10 +21,14 @@ import numpy as np
 from benchmarks.curves import least_seconds
 from integrable.motion import short
 from integrable.motion.flow import Flow
+from integrable.motion.near import NearWalk
 from integrable.motion.short import ShortRuns
 from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.phase.ways import Cost, Way
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
+from integrable.series.steps import steps_for
+from jacobian.errors import PrecisionLoss
 
 SCENES = ("chaplygin", "euler_top", "thin_ball", "tilted_ball")
 TIMES, OUTPUTS = (1.0, 10.0, 100.0, 300.0, 1000.0, 3000.0), (1, 101, 2001, 6001)
@@ -35,7 +40,7 @@ Row = dict[str, Any]
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows (scene, constant, kept, measured), then rows (scene, T, outputs, short run, torus, auto, lost)."""
+    """Rows (scene, constant, kept, measured), then rows (scene, T, outputs, walk, short run, torus, auto, lost)."""
     scenes, repeats = (SCENES[:1], 1) if smoke else (SCENES, REPEATS)
     found = {name: measured_costs(name, repeats) for name in scenes}
     rows: list[Row] = []
@@ -77,7 +82,7 @@ def measured_costs(name: str, repeats: int) -> tuple[float, ...]:
     """The constants measured on one scene, in the order of the rows."""
     near, far = np.array([NEAR]), np.array([FAR])
     with patch.object(short, "panels_within", lambda *_: 10**6):
-        first, last = (1e6 * least_seconds(lambda t=t: fresh(name, "auto").at(t), repeats) for t in (near, far))
+        first, last = (1e6 * least_seconds(lambda t=t: ShortRuns(*problem(name)).at(t), repeats) for t in (near, far))
         panels = [_panels(name, t) for t in (near, far)]
     panel = (last - first) / (panels[1] - panels[0])
     set_up = 1e6 * least_seconds(lambda: fresh(name, "compiled").at(np.array([TORUS])), min(repeats, 5))
@@ -94,14 +99,28 @@ def _panels(name: str, times: np.ndarray) -> int:
 
 
 def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
-    """A row for a number of times up to T: the costs of both methods, and the choice of "auto"."""
+    """A row for a number of times up to T: the costs of all methods, and the choice of "auto"."""
     times = np.linspace(0, T, outputs) if outputs > 1 else np.array([T])
-    auto = fresh(name, "auto").at(times).way
-    torus = 1e3 * least_seconds(lambda: fresh(name, "compiled").at(times), min(repeats, 3))
+
+    def milliseconds(kernel: str, way: Callable[[Flow], Way] | None = None) -> float | None:
+        """The least milliseconds of fresh flows, by one way alone if it is given; None if it does not reach."""
+
+        def run() -> Any:
+            flow = fresh(name, kernel)
+            if way is not None:
+                vars(flow)["_ways"] = lambda: iter([way(flow)])
+            return flow.at(times)
+
+        try:
+            return 1e3 * least_seconds(run, min(repeats, 5))
+        except PrecisionLoss:
+            return None
+
+    row: Row = {"scene": name, "T": T, "outputs": outputs}
+    row["walk ms"] = milliseconds("auto", lambda flow: NearWalk(flow, Cost(1e5, 0), steps_for(None)))
     with patch.object(short, "panels_within", lambda *_: 10**6):
-        sure = fresh(name, "auto").at(times).way == "short run"
-        near = 1e3 * least_seconds(lambda: fresh(name, "auto").at(times), min(repeats, 5)) if sure else None
-    row: Row = {"scene": name, "T": T, "outputs": outputs, "short run ms": near, "torus ms": torus}
-    row["auto"] = auto
-    row["lost"] = (near if auto == "short run" else torus) / min(torus, near) if near else None  # type: ignore[operator]
-    return row
+        row["short run ms"] = milliseconds("auto", lambda flow: ShortRuns(flow.system, flow.state))
+    row["torus ms"] = milliseconds("compiled")
+    cheapest = min(x for way, x in row.items() if way.endswith(" ms") and x is not None)
+    row["auto ms"] = milliseconds("auto")
+    return row | {"auto": fresh(name, "auto").at(times).way, "lost": row["auto ms"] / cheapest}

@@ -7,18 +7,19 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 from integrable.deformations.carrier import CurvesCarrier, OnCurves, widened
-from integrable.deformations.equations import BY_CLOCK, BY_THETA, NearWalk
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.deformations.integrated import IntegratedMotion
 from integrable.deformations.quick_states import QuickStates
+from integrable.motion.near import NearWalk
 from integrable.motion.precise import RoundedRows
 from integrable.motion.trajectory import Trajectory
 from integrable.mumford.motion import Vectors, settled_digits
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State
-from integrable.phase.ways import Way
+from integrable.phase.ways import Cost, Way
 from integrable.portrait.sensitivity import Sensitivity
+from integrable.series.steps import BEFORE_CLOCK, BEFORE_CURVES
 from jacobian import RR
 from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.immutable import at_once
@@ -29,6 +30,9 @@ __all__ = ["DeformedFlow"]
 # the constants λ1 and λ2 are defined by H = λ1 + λ2 and K = −λ1λ2. In floats a λ_k has about ten correct digits if it
 # exceeds this fraction of the terms of which it is the sum
 ORDINARY = 1e-6
+# microseconds for the set-up and for each state by theta functions, in the unit of integrable.series.steps.step_cost:
+# without potential, and with a clock (python -m benchmarks near)
+BY_THETA, BY_CLOCK = Cost(300, 1), Cost(600, 1)
 
 
 class DeformedFlow(HamiltonianMotion):
@@ -36,7 +40,7 @@ class DeformedFlow(HamiltonianMotion):
 
     It is the base class of the flows that ``system.flow`` returns. The inputs count as exact, and states are rounded
     once to the field, floats included. Repeated calls return the same bits, whatever was computed before. Last bits may
-    change only when :class:`integrable.deformations.equations.NearWalk` is compiled for a kind of systems, once per
+    change only when :class:`integrable.motion.near.NearWalk` is compiled for a kind of systems, once per
     machine. PrecisionLoss if more than MOST_LOST digits would be lost (:mod:`integrable.motion.precise`).
     """
 
@@ -98,7 +102,8 @@ class DeformedFlow(HamiltonianMotion):
 
     def _ways(self) -> Iterator[Way]:
         if self.system.field is RR:
-            yield NearWalk(self, BY_CLOCK if self.system.body.rolls else self._cost)
+            walk = (BY_CLOCK, BEFORE_CLOCK) if self.system.body.rolls else (self._cost, BEFORE_CURVES)
+            yield NearWalk(self, *walk)
             if not interpreted():
                 yield self._compiled
         yield self._curves

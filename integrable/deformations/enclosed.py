@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from math import ceil, log
 from typing import TYPE_CHECKING, Any
 
-from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.motion.near import right_hand_sides
 from integrable.moving_point.balls import BOUND_BITS, Balls, picard_box
 from integrable.moving_point.balls import around as widened
 from integrable.phase.enclosure import Enclosure, exact_times, rounded_up, widest

@@ -8,19 +8,20 @@ from functools import cached_property
 import numpy as np
 
 from integrable.deformations.carrier import GUARD_DIGITS, widened
-from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.deformations.taylor import integrate
+from integrable.motion.near import Integration, NearWalk, right_hand_sides
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
-from integrable.phase.ways import InOrder, Way, rounded
+from integrable.phase.ways import Cost, InOrder, Way, rounded
 from integrable.portrait.differences import Inputs
 from integrable.portrait.sensitivity import Sensitivity
+from integrable.series.steps import INTEGRATED
 from integrable.series.tape import recorded
 from jacobian import MP
 from jacobian.element import Real
@@ -38,6 +39,8 @@ VARIED_DIGITS = 6
 USUAL = 10
 # the sizes of H and K are found from this relative change of coordinates, which changes K even at a double zero of K
 PART = 1.2345e-4
+# microseconds, in the unit of integrable.series.steps.step_cost, of a walk that replaces this integration
+BY_STEPS = Cost(150_000, 0)
 
 
 class IntegratedMotion(HamiltonianMotion):
@@ -62,12 +65,12 @@ class IntegratedMotion(HamiltonianMotion):
         return IntegratedStates(self.system, self.state)
 
     def _ways(self) -> Iterator[Way]:
-        yield NearWalk(self, BY_STEPS)
+        yield NearWalk(self, BY_STEPS, INTEGRATED)
         yield self._equations
 
     def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
         way.way = self.method
-        found = NearWalk(self, BY_STEPS).run(given, physical)
+        found = NearWalk(self, BY_STEPS, INTEGRATED).run(given, physical)
         # rows that the integration reached before a refused time are kept
         return self._equations.kept(given, physical, nan) if found is None else Rows(*found)
 

@@ -21,12 +21,12 @@ import numpy as np
 
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
-from integrable.deformations.equations import BY_THETA_IN_POLES
 from integrable.deformations.separated_flow import check_distinct, interlaced
 from integrable.moving_point.elliptic_integrals import complete
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Vector, cross
 from integrable.phase.state import State
+from integrable.phase.ways import Cost
 from integrable.portrait.spectrum import Sampled, Spectrum, lines_of
 from integrable.torus.theta_series import half_turn
 from jacobian import RR, poly
@@ -165,7 +165,8 @@ class PoleFlow(DeformedFlow):
     """
 
     _carrier = CubicCarrier
-    _cost = BY_THETA_IN_POLES
+    # in microseconds, as integrable.deformations.deformed_flow.BY_THETA
+    _cost = Cost(450, 1)
 
     def spectrum(self) -> Spectrum:
         portrait, system = self.portrait, self.system

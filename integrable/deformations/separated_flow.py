@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 from integrable.deformations.carrier import CurvePoint, CurvesCarrier, GammaM
 from integrable.deformations.deformed_flow import DeformedFlow
-from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.oval import Pace
 from integrable.deformations.ovals_clock import OvalsClock, mean_of_pace
 from integrable.deformations.scalars import dot
+from integrable.motion.near import right_hand_sides
 from integrable.moving_point.losses import digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
 from integrable.phase.body import Body, Vector, cross

@@ -16,12 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints, state_of_row
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import ArgumentError
-from jacobian.immutable import replaced
 
 FLOAT_CHANGE = 1e-7
 """Relative change of an input in floats: about 1e8 times the rounding errors of the state, 1e-15."""
@@ -107,8 +105,7 @@ def _inputs(system: Any, state: State) -> dict[str, Real]:
         return system.inputs(state)
     terms = () if getattr(system, "potential", None) is None else [f"potential {i}" for i in range(1, 6)]
     names = ("I1", "I2", "I3", "d", *terms, *getattr(system, "further", ()), "γ1", "γ2", "γ3", "M1", "M2", "M3")
-    constants = getattr(system, "constants", None) or (*system.body.inertia, system.body.d)
-    return dict(zip(names, (*constants, *state.row), strict=True))
+    return dict(zip(names, (*system.constants, *state.row), strict=True))
 
 
 def _problem(system: Any, state: State, inputs: dict[str, Real]) -> tuple[Any, State]:
@@ -117,8 +114,5 @@ def _problem(system: Any, state: State, inputs: dict[str, Real]) -> tuple[Any, S
         changed, moved = system.problem(inputs)
         return changed, moved
     field, values = system.field, [*inputs.values()]
-    if hasattr(system, "constants"):
-        changed = system._of_constants(field, values[:-6])
-    else:
-        changed = replaced(system, body=Body.make(values[:3], values[3], field))
+    changed = system._of_constants(field, values[:-6])
     return changed, onto_constraints(changed, state_of_row(values[-6:], state.tilted))

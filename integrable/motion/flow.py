@@ -2,20 +2,23 @@
 
 The divisor D(τ) of a motion obeys D(τ + δ) = D(τ) + T(δ), where the translation T(δ) depends on the curve only (Abel
 quadratures; Tsiganov 2017, section 3). On a compact torus the state at any τ, or at any physical time t = ∫dτ/g, is
-found from six short series (:mod:`integrable.torus.access`). Within a few turns of the start, a short run computes the
-states without a torus (:mod:`integrable.motion.short`). Where floats or the torus do not suffice, and in
-multiprecision, states are computed with as many digits as they need (:mod:`integrable.motion.precise`).
+found from six short series (:mod:`integrable.torus.access`). Within a few turns of the start, a walk by Taylor series
+(:mod:`integrable.motion.near`) or a short run (:mod:`integrable.motion.short`) computes the states without a torus.
+Where floats or the torus do not suffice, and in multiprecision, states are computed with as many digits as they need
+(:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations
 
 import os
 from functools import cached_property
+from math import hypot
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.motion.domain import check_domain
+from integrable.motion.near import NearWalk
 from integrable.motion.short import ShortRuns
 from integrable.motion.trajectory import BodyMotion, Trajectory
 from integrable.phase.body import Body, symmetry_axis
@@ -23,8 +26,9 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
 from integrable.phase.upright import leaning
-from integrable.phase.ways import Way
+from integrable.phase.ways import Cost, Way
 from integrable.portrait.state_flow import StateFlow
+from integrable.series.steps import steps_for
 from jacobian import RR
 from jacobian.element import Number, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
@@ -62,6 +66,11 @@ MOST_RATES = 16_000
 # with CLOCK_DIGITS digits of the clock, states in floats are accurate up to the farthest times that MOST_RATES values
 # reach
 CLOCK_DIGITS = 24
+# A walk by Taylor series is tried before a short run or a torus if it takes at most these microseconds, in the unit of
+# integrable.series.steps.step_cost, and if |M||t|/(I + d), with the least moment I, is at most this number of radians.
+# A ball's walk takes as long as its short run at about 10 radians, a top's as long as its torus at about 200 (python -m
+# benchmarks near, short)
+WALK_OF_BALL, WALK_OF_TOP = (Cost(30, 0), 10.0), (Cost(120, 0.3), 300.0)
 # basic steps (Setup.step_time) per panel of a search for events, so few that the nodes of a panel resolve γ and M
 PANEL_STEPS = 6
 
@@ -207,8 +216,17 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         floats, turns = self.system.body.field is RR, rotation_axis(self.state) is not None
         # closed forms are faster than short runs for rotations, and for equal moments where nothing is compiled
         if floats and self.kernel != "compiled" and not turns and (not self._equal or self._compiled):
+            if self.kernel == "auto":
+                yield self._walk
             yield self._near
         yield self._closed or (self._torus if floats else None) or self._precise
+
+    @quick_property
+    def _walk(self) -> NearWalk:
+        body = self.system.body
+        cost, radians = WALK_OF_BALL if body.rolls else WALK_OF_TOP
+        slowest = (min(body.inertia) + body.d) / hypot(*self.state.vectors[1])
+        return NearWalk(self, cost, steps_for(None), radians * slowest)
 
     @quick_property
     def _near(self) -> ShortRuns:
@@ -288,8 +306,8 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         Near a separatrix, and for bodies that need more digits, an addition can lose every digit. Its result is then
         off the level set.
         """
-        if way == ShortRuns.way or rows.dtype == object:
-            # short runs and the precise flow have compared the integrals already
+        if way in (ShortRuns.way, NearWalk.way) or rows.dtype == object:
+            # short runs and the precise flow have compared the integrals already, and walks have compared the states
             return super()._off(rows, way)
         drift = integrals_drift(self, rows)
         # a NaN in any row makes the maximum NaN and the comparison false

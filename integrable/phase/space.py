@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Generic
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Generic, Self
 
 from integrable.phase.body import Body, Integrals, Vector, cross, elements, triple
 from integrable.phase.made import Made
@@ -106,6 +106,16 @@ class PhaseSpace(Made, Generic[Element]):
     def integrals(self, state: State[Element]) -> Integrals[Element]:
         """The integrals C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M) of a state."""
         return self.body.integrals(*self._checked(state).vectors)
+
+    @property
+    def constants(self) -> tuple[Element, ...]:
+        """The moments and d."""
+        return *self.body.inertia, self.body.d
+
+    def _of_constants(self, field: Field, values: Sequence[Any]) -> Self:
+        """A system of the same kind whose :attr:`constants` are ``values``, unchecked elements of ``field``."""
+        x, y, z, d = values
+        return replaced(self, body=Body((x, y, z), d, field))
 
     def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
         """The :meth:`integrals` of N real states, γ and M of shape (N, 3): four arrays of shape (N,)."""

@@ -92,16 +92,16 @@ def _compile_walks(scene: Scene) -> None:
     compiles them by itself only after some use.
     """
     from integrable.deformations.deformed_flow import DeformedFlow
-    from integrable.deformations.equations import BY_STEPS, STEPS, kind_in
     from integrable.deformations.hamiltonian import Hamiltonian
-    from integrable.series.steps import BEFORE_CURVES, steps_for
+    from integrable.motion.near import kind_in
+    from integrable.series.steps import BEFORE_CURVES, INTEGRATED, steps_for
 
     system, state = scene.start(FLOAT_DIGITS)
     kind: Any = None
     moved, plan = system.motion_through(state), steps_for(None)
     if isinstance(system, Hamiltonian):
         kind = kind_in(system, True)
-        plan = BEFORE_CURVES if isinstance(moved, DeformedFlow) else STEPS[BY_STEPS]
+        plan = BEFORE_CURVES if isinstance(moved, DeformedFlow) else INTEGRATED
     elif scene.classical:
         kind = system.system._kind
     for steps in plan if kind else ():

@@ -167,8 +167,8 @@ def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tu
     """γ and M at one time, shapes (1, 3), by the integrator ``by``; all integrators except the Taylor series compute
     with ten more digits.
     """
-    from integrable.deformations.equations import right_hand_sides
     from integrable.deformations.integrated import IntegratedMotion
+    from integrable.motion.near import right_hand_sides
 
     if by == "Taylor series":
         return _states(taylor(flow.system, flow.state, [time], digits=digits))

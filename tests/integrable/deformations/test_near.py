@@ -9,7 +9,7 @@ import pytest
 
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations.carrier import widened
-from integrable.deformations.equations import NearWalk, kind_in
+from integrable.motion.near import NearWalk, kind_in
 from integrable.phase.ways import Cost, InOrder
 from integrable.series.kinds import Compiled, Kind
 from integrable.series.steps import FINE, INTEGRATED
@@ -153,7 +153,7 @@ def test_a_walk_that_is_not_compiled_is_left_to_others() -> None:
             return np.zeros((len(times), 6)), times
 
     def ways():
-        yield NearWalk(system.motion_through(state), Cost(0, 0))
+        yield NearWalk(system.motion_through(state), Cost(0, 0), INTEGRATED)
         yield Other()
 
     first = InOrder(ways)

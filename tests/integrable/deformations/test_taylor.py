@@ -10,7 +10,7 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations import taylor
 from integrable.deformations.carrier import widened
-from integrable.deformations.equations import right_hand_sides
+from integrable.motion.near import right_hand_sides
 from integrable.series.tape import (
     CONSTANT,
     DIFFERENCE,

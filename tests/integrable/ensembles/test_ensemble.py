@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, Tilde, ensemble
+from integrable.motion import flow as flows
 from integrable.motion import short
+from integrable.phase.ways import Cost
 from jacobian import MP, ArgumentError
 from jacobian.numbers.threads import set_threads
 
@@ -64,8 +66,10 @@ def test_members_are_single_flows(tilted, until, two_threads):
 
 
 def single(many, k, times):
-    """A single flow whose clock has the tolerance of an ensemble's clock."""
+    """A single flow without a walk, whose clock has the tolerance of an ensemble's clock."""
     with pytest.MonkeyPatch.context() as patch:
+        for name in ("WALK_OF_BALL", "WALK_OF_TOP"):
+            patch.setattr(flows, name, (Cost(0, 0), -1.0))
         patch.setattr(short, "DRIFT", short.DRIFT_OF_MANY)
         patch.setattr(short, "PACE", short.PACE_OF_MANY)
         patch.setattr(short, "panels_within", lambda *_: short.MOST_PANELS)

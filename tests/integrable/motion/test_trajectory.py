@@ -37,7 +37,7 @@ DEFORMED = [
 ]
 WAY = {
     "closed form": (ChaplyginBall((1, 1, 3), 0.7), [1e4]),
-    "short run": (BALL, [1.0]),
+    "short run": (BALL, [30.0]),
     "torus": (BALL, [1e9]),
     "multiprecision": (ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), [1.0]),
     "elliptic curves": (DEFORMED[0], [1e4]),
