@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.phase.state import State, onto_constraints, state_of_row
+from integrable.phase.state import State
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.errors import ArgumentError
@@ -58,20 +58,23 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
     field = system.field
     if field.exact:
         raise ArgumentError(f"field = {field.name}: a conditioning needs a motion over RR or MP(digits)")
-    move, wanted = motion or flow_motion, list(times)
-    inputs = _inputs(system, state)
-    base = move(*_problem(system, state, inputs), wanted)
-    sizes = _sizes(system, state, base)
+    flow, wanted = system.motion_through(state), list(times)
+    (numbers, sizes, _), names = flow._inputs()
+
+    def rows(changed: Any) -> Sequence[np.ndarray]:
+        return changed._states(wanted) if motion is None else motion(changed.system, changed.state, wanted)
+
+    base = rows(flow._with(numbers, field))
+    units = _sizes(flow, base)
     gamma, M, parts = np.zeros(len(wanted)), np.zeros(len(wanted)), {}
-    for name, value in inputs.items():
-        if value == 0:
+    for name, k in zip(names, [k for k, size in enumerate(sizes) if size], strict=True):
+        if numbers[k] == 0:
             continue
         change = FLOAT_CHANGE if field is RR else 2.0**-52
 
-        def difference(change: float, name: str = name, value: Real = value) -> list[np.ndarray]:
-            moved = inputs | {name: value * (1 + field.coerce(change))}
-            rows = move(*_problem(system, state, moved), wanted)
-            pairs = zip(rows, base, sizes, strict=True)
+        def difference(change: float, k: int = k) -> list[np.ndarray]:
+            moved = [*numbers[:k], numbers[k] * (1 + field.coerce(change)), *numbers[k + 1 :]]
+            pairs = zip(rows(flow._with(moved, field)), base, units, strict=True)
             return [abs((a - b).astype(float)).max(axis=1) / size for a, b, size in pairs]
 
         found = difference(change)
@@ -80,39 +83,15 @@ def conditioning(system: Any, state: State, times: Sequence[Real], motion: State
             found = difference(change)
         gamma += found[0] / change
         M += found[1] / change
-        parts[name] = float(found[0].max(initial=0) / change)
+        parts[name.replace("gamma", "γ")] = float(found[0].max(initial=0) / change)
     return Conditioning(float(gamma.max(initial=0)), float(M.max(initial=0)), parts)
 
 
-def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[float | np.ndarray]:
+def _sizes(flow: Any, rows: Sequence[np.ndarray]) -> list[float | np.ndarray]:
     """The sizes of γ and of M, at each time, to which their changes are relative."""
-    gamma, M = state.vectors
-    size = float(system.field.sqrt(system.field.dot(M, M))) or 1.0
-    if not hasattr(system, "inputs"):
-        return [1.0, size]
+    gamma, M = flow.state.vectors
+    size = float(flow.system.field.sqrt(flow.system.field.dot(M, M))) or 1.0
+    if flow._unit is not None:
+        return [float(flow._unit), size]
     starts = float(max(map(abs, gamma))) or 1.0, size
     return [np.maximum(abs(x).max(axis=1).astype(float), start) for x, start in zip(rows, starts, strict=True)]
-
-
-def flow_motion(system: Any, state: State, times: Sequence[Real]) -> tuple[np.ndarray, np.ndarray]:
-    """γ and M at ``times`` by the system's own motion."""
-    trajectory = system.motion_through(state).at(times)
-    return trajectory.gamma, trajectory.M
-
-
-def _inputs(system: Any, state: State) -> dict[str, Real]:
-    if hasattr(system, "inputs"):
-        return system.inputs(state)
-    terms = () if getattr(system, "potential", None) is None else [f"potential {i}" for i in range(1, 6)]
-    names = ("I1", "I2", "I3", "d", *terms, *getattr(system, "further", ()), "γ1", "γ2", "γ3", "M1", "M2", "M3")
-    return dict(zip(names, (*system.constants, *state.row), strict=True))
-
-
-def _problem(system: Any, state: State, inputs: dict[str, Real]) -> tuple[Any, State]:
-    """The system and the state with these inputs, the state being projected onto the constraints."""
-    if hasattr(system, "inputs"):
-        changed, moved = system.problem(inputs)
-        return changed, moved
-    field, values = system.field, [*inputs.values()]
-    changed = system._of_constants(field, values[:-6])
-    return changed, onto_constraints(changed, state_of_row(values[-6:], state.tilted))

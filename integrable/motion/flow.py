@@ -24,7 +24,7 @@ from integrable.motion.trajectory import BodyMotion, Trajectory
 from integrable.phase.body import Body, symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
-from integrable.phase.state import State, rotation_axis
+from integrable.phase.state import State, onto_constraints, rotation_axis, state_of_row
 from integrable.phase.upright import leaning
 from integrable.phase.ways import Cost, Way
 from integrable.portrait.state_flow import StateFlow
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
     from integrable.torus.integrals import TorusIntegral
     from jacobian.fields.multiprecision import MultiprecisionField
-    from jacobian.fields.protocol import Field
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
@@ -160,14 +159,13 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         return *self.state.row, *body.inertia, body.d
 
     def _through(self, numbers: Iterable[Real], field: Any, tilted: bool = True) -> Flow:
-        g1, g2, g3, m1, m2, m3, i1, i2, i3, d = map(field.coerce, numbers)
-        size = field.sqrt(g1 * g1 + g2 * g2 + g3 * g3)
-        state = State((g1 / size, g2 / size, g3 / size), (m1, m2, m3), tilted=tilted)
+        values = [*map(field.coerce, numbers)]
+        system = replaced(self.system, body=Body.make(values[6:9], values[9], field))
         # a plain Flow, because a subclass may need further arguments
-        return Flow(replaced(self.system, body=Body.make((i1, i2, i3), d, field)), state)
+        return Flow(system, onto_constraints(system, state_of_row(values[:6], tilted)))
 
-    def _over(self, field: Field) -> Flow:
-        return self if field == self.system.field else self._through(self._numbers, field, self.state.tilted)
+    def _with(self, numbers: Iterable[Real], field: Any) -> Flow:
+        return self._through(numbers, field, self.state.tilted)
 
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
         from integrable.portrait.differences import Inputs

@@ -9,10 +9,12 @@ motions with one ζ lie on a straight line too, Z = ζ(1 − dζ(1 − X))/(1 �
 
 from __future__ import annotations
 
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from integrable.moving_point.elliptic_integrals import complete
 from integrable.portrait.ovals import Level, Ovals
 from integrable.portrait.pictures import diagram
 from jacobian import RR
@@ -20,14 +22,15 @@ from jacobian.element import Numbers
 from jacobian.errors import ArgumentError, floats, shown, whole
 from jacobian.immutable import Record
 from jacobian.notebook import table
+from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from integrable.phase.body import Body
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
 
-NODES = 512
 MOST_COUNT = 300
 """The largest number of rows of a grid of rotation numbers; the largest grid takes about half a minute."""
 
@@ -80,7 +83,7 @@ class Diagram(Record):
         (values,) = _reals(X=X)
         if not ((values >= 0) & (values <= 1)).all():
             raise ArgumentError(f"X = {shown(X)}: numbers from 0 to 1 are needed, X = (γ, M)²/H2")
-        rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
+        rates = [_divergence(self.system.body, float(x)) for x in values.ravel()]
         return np.array(rates).reshape(values.shape)
 
     def rotation_numbers(self, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -134,12 +137,13 @@ def _rotation_number(level: Level) -> float:
     return float(-ovals.B1 / ovals.A1)
 
 
-def _divergence(level: Level) -> float:
-    (a1, a2, a3), d, size = level.a, level.d, level.momentum
-    x = a1 + (a3 - a1) * np.sin(np.pi / 2 * (np.arange(NODES) + 0.5) / NODES) ** 2
-    slow, slow2 = np.sqrt(1 - d * x), np.sqrt(1 - d * a2)
-    # the difference quotient of x/√(1 − dx) between x and a₂
-    quotient = (x + a2 - d * x * a2) / ((x * slow2 + a2 * slow) * slow * slow2)
-    value = np.pi / 2 * quotient.mean() / size
-    slope = 2 * size * slow2 * np.sqrt((a2 - a1) * (a3 - a2))
-    return float(size * slope * value / (np.pi * level.s))
+def _divergence(body: Body, X: float) -> float:
+    """χ at X. P is a complete elliptic integral (Bulirsch 1969), and every sum here is one of positive numbers."""
+    axes = sorted(range(3), key=lambda i: body.a[i])
+    middle = body.contact[axes[1]]
+    lean = body.d * body.a[axes[1]] * X
+    # the numbers 1 − d̃a_i of the upright body, and √H̃2/s
+    r1, r2, r3 = ((X + (1 - X) * middle * body.contact[i]) / (middle + lean) for i in axes)
+    size = root(middle * middle + lean * (1 + middle)) / middle
+    integral = complete(root(r3 / r1), r2 / r1, 1.0, 1 / r1, pi, 1e-9)
+    return 2 * size * root(r2 / r1 * abs(body.differences[axes[1]])) * integral / pi

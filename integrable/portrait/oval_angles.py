@@ -84,7 +84,15 @@ class OvalAngles(NamedTuple):
 
     def _gaps(self, angles: Array, phases: Array) -> tuple[Array, Array]:
         sums, slopes = self.sums(angles)
-        return np.linalg.solve(2 * np.pi * self.means.T, sums.T).T - phases, slopes
+        return self.phases_of(sums) - phases, slopes
+
+    def phases_of(self, sums: Array) -> Array:
+        """The phases in turns, (N, g), from the sums, (N, g)."""
+        return np.linalg.solve(2 * np.pi * self.means.T, sums.T).T
+
+    def phases_at(self, angles: Array) -> Array:
+        """The phases in turns, (N, g), at angles φ, (N, g)."""
+        return self._in_parts(lambda x: self.phases_of(self.sums(x)[0]), angles)
 
     def sums(self, angles: Array) -> tuple[Array, Array]:
         """The sums, (N, forms), and their derivatives with respect to the angles, (N, forms, ovals)."""

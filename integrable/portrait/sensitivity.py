@@ -23,7 +23,7 @@ from integrable.phase.body import Body
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.ways import rounded
 from integrable.portrait.differences import FlowMap, differences
-from integrable.portrait.variations import Variation, gradient, moved
+from integrable.portrait.variations import Variation, moved
 from integrable.torus.access import TorusFlow
 from integrable.torus.integrals import MOST_COMPILED, periods_of, resolved_samples
 from integrable.torus.series import TorusSeries, spectrum, together
@@ -125,7 +125,7 @@ class TorusVariations:
         project = np.eye(10)
         project[:3, :3] -= np.outer(start[0, :3], start[0, :3])
         self._project = project
-        self._gradient = gradient(self._body, start[0])
+        self._gradient = self._start.gradients[0]
 
     def _scaled(self, rows: np.ndarray) -> np.ndarray:
         """The states with M divided by the |M| of the motion, which is the unit of M in all derivatives here."""
@@ -173,7 +173,7 @@ class TorusVariations:
         x, Y = here.fields[:, :, 0], here.fields[:, :, 1]
         Y = Y - sigma[:, None] * x
         level = np.broadcast_to(self._gradient, (len(run), 4, 10)).copy()
-        level[:, 2, 6:] -= here.energy
+        level[:, :, 6:] -= here.gradients[:, :, 6:]
         found = here.inverse @ level + x[:, :, None] * a[:, None, :] + Y[:, :, None] * b[:, None, :]
         # on average τ is t divided by the mean of 1/g
         slow = float(self._torus.mean)

@@ -136,7 +136,11 @@ class StateFlow(Generic[AnyRun]):
 
     def _over(self, field: Field) -> StateFlow[AnyRun]:
         """The same motion over another field, to which its numbers are converted."""
-        return self if field == self.system.field else self._through(self._numbers, field)
+        return self if field == self.system.field else self._with(self._numbers, field)
+
+    def _with(self, numbers: Iterable[Real], field: Any) -> StateFlow[AnyRun]:
+        """:meth:`_through`, but the changed start obeys the constraints of this one: (γ, M) = 0 unless it is tilted."""
+        return self._through(numbers, field)
 
     @property
     def _numbers(self) -> tuple[Real, ...]:

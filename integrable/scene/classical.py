@@ -7,16 +7,17 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Iterable, Sequence
-from itertools import islice
 from typing import Any
+
+import numpy as np
 
 from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
 from integrable.phase.enclosure import Enclosure
 from integrable.phase.state import State
-from jacobian.element import Number, Numbers, Value
+from integrable.portrait.differences import Inputs
+from jacobian.element import Number, Numbers, Real, Value
 from jacobian.fields.protocol import Field
-from jacobian.immutable import replaced
 
 __all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
 
@@ -72,26 +73,6 @@ class ClassicalSystem:
         """The state, corrected so that it satisfies its constraints to all digits of the field."""
         return _state(self.system._constrained(self.field, self.system._inside(self.field, _point(state))))
 
-    def inputs(self, state: State) -> dict[str, Any]:
-        """All input numbers of a motion, by name."""
-        system = self.system
-        parts = (
-            ("constant ", system.constants),
-            ("parameter ", system.parameters),
-            *zip("qp", state.vectors, strict=True),
-        )
-        return {f"{name}{i + 1}": x for name, values in parts for i, x in enumerate(values)}
-
-    def problem(self, inputs: dict[str, Any]) -> tuple[ClassicalSystem, State]:
-        """The system and the state with these input numbers, corrected to satisfy the constraints."""
-        values, system = iter(inputs.values()), self.system
-        constants, parameters, q, p = (
-            tuple(islice(values, size))
-            for size in (len(system.constants), len(system.parameters), system.size, system.size)
-        )
-        changed = ClassicalSystem(replaced(system, constants=constants, parameters=parameters))
-        return changed, changed.onto_constraints(State(q, p))
-
 
 class ClassicalMotion:
     """The motion of one state: ``at(times)`` returns the states at times."""
@@ -99,6 +80,20 @@ class ClassicalMotion:
     def __init__(self, system: ClassicalSystem, state: State) -> None:
         self.system, self.state = system, state
         self._flow = system.system.flow(_point(state))
+
+    _unit = None
+
+    def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:
+        return self._flow._inputs()
+
+    def _with(self, numbers: Iterable[Real], field: Field) -> ClassicalMotion:
+        """The motion over ``field`` with these numbers, the first of :class:`Inputs`, on the constraints."""
+        flow: Any = self._flow._with(numbers, field)
+        system = ClassicalSystem(flow.system)
+        return ClassicalMotion(system, system.onto_constraints(_state(flow.start)))
+
+    def _states(self, times: Numbers) -> tuple[np.ndarray, np.ndarray]:
+        return self._flow._states(times)
 
     def _prepare(self) -> None:
         """Does nothing: the method depends on the times, so its set-up is part of :meth:`at`."""

@@ -8,12 +8,14 @@ import numpy as np
 
 from integrable.phase import coordinates
 from integrable.phase.state import State
+from integrable.portrait.ovals import Level
+from integrable.portrait.section import sums_over_ovals
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
 __all__ = ["Ovals", "ovals"]
 
-SAMPLES = 4096
-"""The number of points of an oval for integrals along it: enough, as the functions are smooth and periodic."""
+OUTLINE = 128
+"""The number of points of an oval's outline."""
 SHORT = 1e-7
 """Ovals and gaps shorter than this fraction of the interval of all branch points are lost in the rounding of floats."""
 
@@ -33,58 +35,6 @@ class Ovals(NamedTuple):
     outlines: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-class Oval:
-    """One oval a ≤ x ≤ b of y² = f(x), x = middle − half·cos φ: dx/y = dφ/√q with f = (x − a)(b − x)q."""
-
-    def __init__(self, a: float, b: float, others: list[float], scale: float, d: float) -> None:
-        self.middle, self.half = (a + b) / 2, (b - a) / 2
-        self._others, self._scale, self._d = others, scale, d
-        phi = 2 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
-        x = self.x(phi)
-        density = 1 / np.sqrt(self.q(x))
-        self._phi = phi
-        self._integrals = [_antiderivative(density * x**j) for j in (0, 1)]
-        self.periods = np.array([whole[-1] for whole in self._integrals])
-
-    def x(self, phi: np.ndarray) -> np.ndarray:
-        return self.middle - self.half * np.cos(phi)
-
-    def q(self, x: np.ndarray) -> np.ndarray:
-        first, second = self._others
-        return np.abs(self._scale * (1 - self._d * x) * (x - first) * (x - second))
-
-    def outline(self) -> tuple[np.ndarray, np.ndarray]:
-        phi = self._phi[:: SAMPLES // 128]
-        return self.x(phi), self.half * np.sin(phi) * np.sqrt(self.q(self.x(phi)))
-
-    def phi(self, u: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The angle φ of points (u, y) of the oval, made continuous along the points."""
-        sine = y / np.sqrt(self.q(u)) / self.half
-        return np.unwrap(np.arctan2(sine, (self.middle - u) / self.half))
-
-    def integrals(self, phi: np.ndarray) -> np.ndarray:
-        """The integrals of dx/y and x dx/y along the oval from φ = 0 to ``phi``, shape (N, 2)."""
-        turns, rest = np.divmod(phi, 2 * np.pi)
-        parts = [np.interp(rest, self._phi, whole) for whole in self._integrals]
-        return np.stack(parts, axis=1) + turns[:, None] * self.periods
-
-
-def _antiderivative(values: np.ndarray) -> np.ndarray:
-    """The integral from 0 to φ of a smooth function of period 2π, by its Fourier series.
-
-    ``values`` are at equally spaced φ, both ends of the period included.
-    """
-    count = len(values) - 1
-    modes = np.fft.rfft(values[:-1])
-    phi = 2 * np.pi * np.arange(count + 1) / count
-    orders = np.arange(1, len(modes))
-    swing = np.zeros(len(modes), dtype=complex)
-    swing[1:] = modes[1:] / (1j * orders)
-    periodic = np.fft.irfft(swing, count)
-    periodic = np.append(periodic, periodic[0])
-    return phi * modes[0].real / count + periodic - periodic[0]
-
-
 def ovals(system: Any, states: list[State]) -> Ovals:
     """The points of the divisors of ``states`` of one motion.
 
@@ -97,26 +47,33 @@ def ovals(system: Any, states: list[State]) -> Ovals:
         states = [change.apply(state) for state in states]
     body = system.body
     h1, h2 = (float(x) for x in system.integrals(states[0])[2:])
-    low, middle, high = sorted(map(float, body.a))
-    turning = h1 / h2
-    ends = (low, min(turning, middle), max(turning, middle), high)
+    low, between, high = sorted(map(float, body.a))
+    level = Level((low, between, high), (0, 1, 2), h1 / h2, float(body.d), h2**0.5, 1.0)
+    ends = np.array(level.ends, dtype=float)
     if high - low < SHORT * high or min(np.diff(ends)) < SHORT * (high - low):
         raise NotRepresentable("the ovals of this motion's curve have shrunk or met: it has no torus of two angles")
-    scale, d = 4 * h2, float(body.d)
-    pair = (
-        Oval(ends[0], ends[1], [ends[2], ends[3]], scale, d),
-        Oval(ends[2], ends[3], [ends[0], ends[1]], scale, d),
-    )
     u, y = _points(body, states, ends)
-    integrals = sum(oval.integrals(oval.phi(u[:, k], y[:, k])) for k, oval in enumerate(pair))
-    periods = np.stack([oval.periods for oval in pair], axis=1)
-    angles = np.linalg.solve(periods, np.asarray(integrals).T).T
+    sums = sums_over_ovals(level)
+    # each row is for both ovals: x = middle − half·cos φ, y = half·√q·sin φ with φ = 0 at the outer end
+    outer, inner = ends[[0, 3]], ends[[1, 2]]
+    middle, half = (outer + inner) / 2, (inner - outer) / 2
+
+    def height(x: np.ndarray) -> np.ndarray:
+        """half·√q at abscissas in both ovals, shape (N, 2)."""
+        gaps = (x - inner[::-1]) * (x - outer[::-1])
+        return half * np.sqrt(np.abs(4 * h2 * (1 - level.d * x) * gaps))
+
+    phi = np.unwrap(np.arctan2(y / height(u), (middle - u) / half), axis=0)
+    # angles are counted from the lower ends of the ovals
+    angles = sums.phases_at(phi) + np.array([0, 0.5])
+    turn = np.linspace(0, 2 * np.pi, OUTLINE + 1)[:, None]
+    x = middle - half * np.cos(turn)
+    first, second = zip(x.T, (height(x) * np.sin(turn)).T, strict=True)
     # Σ∫dx/y is τ, and Σ∫x dx/y is constant
-    rates = np.linalg.solve(periods, [1.0, 0.0])
-    return Ovals(u, y, angles, rates, (pair[0].outline(), pair[1].outline()))
+    return Ovals(u, y, angles, sums.phases_of(np.array([[1.0, 0.0]]))[0], (first, second))
 
 
-def _points(body: Any, states: list[State], ends: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+def _points(body: Any, states: list[State], ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The roots of U of each state, each moved into its oval, and the values of V there; both of shape (N, 2)."""
     rows = [coordinates.to_mumford(body, coordinates.to_pairs(body, state)) for state in states]
     U, V = (np.array(part, dtype=float) for part in zip(*rows, strict=True))

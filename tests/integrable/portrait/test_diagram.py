@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from jacobian import GF
+from integrable.phase.body import Body
+from integrable.portrait.ovals import Level
+from jacobian import GF, MP
 from jacobian.errors import ArgumentError
 
 BALL = ChaplyginBall((3, 1, 2), 0.7)
@@ -57,6 +59,37 @@ def test_neighbours_of_the_unstable_rotation_part_at_its_rate(ball, tilt):
     off = np.linalg.norm(np.delete(run.omega, axis, axis=1), axis=1)
     slope = np.polyfit(run.times, np.log(off), 1)[0]
     assert slope == pytest.approx(rate, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("inertia", "d"),
+    [
+        ((1, 2, 3), 0.7),
+        ((1, 2, 3), 0),
+        ((1e-6, 1, 1.0000005), 1),
+        ((1e-8, 1, 1.000000001), 100),
+        ((1e-6, 2e-6, 2.5e-6), 1),
+    ],
+)
+def test_rates_of_divergence_of_thin_bodies_have_all_digits(inertia, d):
+    """512 nodes of a quadrature did not resolve I/(I + d) = 1e-10: the rate was 22 % too small."""
+    body = Body.make(inertia, d, MP(40))
+    context = body.field.context
+    for X in (0.0, 0.3, 1.0):
+        level = Level.at(body, body.field.coerce(X), sorted(body.a)[1])
+        (a1, a2, a3), d_upright = level.a, level.d
+        s2 = context.sqrt(1 - d_upright * a2)
+
+        def quotient(angle, a=(a1, a2, a3), d=d_upright, s2=s2):
+            """The difference quotient of x/√(1 − d̃x) between x and a₂."""
+            x = a[0] + (a[2] - a[0]) * context.sin(angle) ** 2
+            s = context.sqrt(1 - d * x)
+            return (x + a[1] - d * x * a[1]) / ((x * s2 + a[1] * s) * s * s2)
+
+        right = context.pi / 2
+        value = context.quad(quotient, [0, 1, 1.5, 1.57, right - 1e-4, right - 1e-6, right])
+        expected = 2 * level.momentum * s2 * context.sqrt((a2 - a1) * (a3 - a2)) * value / (context.pi * level.s)
+        assert float(ChaplyginBall(inertia, d).diagram().divergence(X)) == pytest.approx(float(expected), rel=1e-14)
 
 
 def test_rotation_numbers_are_those_of_motions():

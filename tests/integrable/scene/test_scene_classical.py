@@ -17,6 +17,7 @@ from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.motion.conditioning import conditioning
+from integrable.mumford.flow import Point
 from integrable.oracles.methods import METHODS
 from integrable.phase.state import State
 from integrable.scene.classical import ClassicalSystem
@@ -217,6 +218,7 @@ def test_next_to_a_pole_a_row_is_measured_by_itself() -> None:
     state = system.state((0.1, 0.05), (0, 0.1))
     times = [80.0, 81.0]
     found = conditioning(system, state, times)
+    assert {"q0", "q1", "p1"} <= set(found.inputs) <= {*system.system.flow(Point(*state.vectors))._inputs()[1]}
     assert 1e3 < found.gamma < 1e5
     assert 1e3 < found.M < 1e5
     fine = ClassicalSystem(system.system.over(MP(40)))

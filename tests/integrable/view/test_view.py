@@ -34,9 +34,13 @@ def test_the_points_lie_on_the_curve_and_their_angles_on_a_line(name):
     for k in (0, 1):
         angle = found.angles[:, k]
         rate, start = np.polyfit(run.tau, angle, 1)
-        assert abs(angle - rate * run.tau - start).max() < 2e-7
-        assert abs(found.rates[k] - rate) * np.ptp(run.tau) < 4e-7
+        assert abs(angle - rate * run.tau - start).max() < 1e-11
+        assert abs(found.rates[k] - rate) * np.ptp(run.tau) < 1e-11
         assert np.ptp(angle) > 0
+    # a portrait counts the second angle from the upper end of its oval, and has the integrals in closed form
+    portrait = system.motion_through(state).portrait
+    assert abs((found.angles[0] - [0, 0.5] - portrait.angles + 0.5) % 1 - 0.5).max() < 1e-12
+    assert np.allclose(found.rates, portrait.tau_frequencies, rtol=1e-12, atol=0)
 
 
 def test_a_curve_without_two_ovals_is_refused_by_name():
