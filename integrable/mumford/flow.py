@@ -45,10 +45,11 @@ if TYPE_CHECKING:
 # largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
 # BY_ADDITIONS is the cost of states by additions, and ON_TORUS that of states on a torus, for each genus. In genus > 3
-# the cost of a torus grows as the square of the genus (python -m benchmarks mumford). Instead of additions, Taylor
-# series are tried up to a cost of LONGEST microseconds (python -m benchmarks near, real_torus)
+# the cost of a torus grows as the square of the genus. It is 5 to 9 ms in genus 3 (python -m benchmarks mumford), but
+# series take up to three times their estimated cost. Instead of additions, Taylor series are tried up to a cost of
+# LONGEST microseconds (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
-ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(8000, 3)}
+ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(4000, 3)}
 # the costs on a torus if t is not linear in τ, which takes longer in genus 2
 ON_CLOCK = ON_TORUS | {2: Cost(750, 2)}
 # the values of Path.way
@@ -207,7 +208,11 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     def _on_torus(self, times: np.ndarray) -> StatesReached | None:
         torus = self._torus if len(times) else None
-        return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
+        try:
+            return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
+        except PrecisionLoss:
+            # points were not found at these times
+            return None
 
     def _by_additions(self, times: np.ndarray) -> StatesReached:
         return self._by_rows(times, self._row, self._long_way)

@@ -25,8 +25,9 @@ from jacobian.numbers.abreast import abreast
 from jacobian.numbers.sums import joined, plus_product
 
 # in the first series of Newton's method modes are at least ROUGH radians, and it ends after a step below NEAR. In the
-# second they are at least FINE, and it ends after a step below LAST: then the error is about the square of the step
-ROUGH, NEAR, FINE, LAST, MOST_EVALUATIONS = 1e-5, 1e-3, 1e-17, 1e-8, 200
+# second they are at least FINE, and it ends after a step below LAST: then the error is about the square of the step.
+# The step with sums in double-doubles is at most CORRECTED
+ROUGH, NEAR, FINE, LAST, MOST_EVALUATIONS, CORRECTED = 1e-5, 1e-3, 1e-17, 1e-8, 200, 1e-10
 # modes below SMALL radians are summed in floats, modes below NEGLIGIBLE are omitted
 SMALL, NEGLIGIBLE = 2.0**-26, 1e-24
 SERIES = (ROUGH, SMALL, FINE, NEGLIGIBLE)
@@ -91,6 +92,7 @@ def points_at_times(sums: PhaseSums, times: Row, room: PhaseRoom, out: Row) -> b
         find_angles(sums, room, 1, NEAR)
         converged = find_angles(sums, room, 3, LAST) and converged
         put_corrected(sums, room)
+        converged = greatest(room.lengths) <= CORRECTED and converged
         for i in abreast(begin, end):
             for k in range(genus):
                 out[count * 2 * k + i], out[count * (2 * k + 1) + i] = room.halves[2 * k + 1], room.halves[2 * k]
@@ -210,7 +212,9 @@ def substitute(factors: Row, values: Row, genus: int) -> None:
 
 
 def put_corrected(sums: PhaseSums, room: PhaseRoom) -> None:
-    """Writes ``halves`` and the further angles in double-doubles, from the angles in floats by one Newton step."""
+    """Writes ``halves`` and the further angles in double-doubles, from the angles in floats by one Newton step, and the
+    ``lengths`` of this step.
+    """
     genus, turn = len(sums.bounds) // 5, sums.inverse[0]
     put_gaps(sums, room, 3)
     for k in range(genus):
@@ -230,6 +234,8 @@ def put_corrected(sums: PhaseSums, room: PhaseRoom) -> None:
         room.halves[2 * k], room.halves[2 * k + 1] = c * near + s * late, s * near - c * late
         for j in range(genus, len(sums.places)):
             room.totals[j] -= room.slopes[genus * j + k] * room.gaps[k]
+    for i in abreast(0, len(room.lengths)):
+        room.lengths[i] = largest_of(room.gaps, genus)
 
 
 def add_swings(sums: PhaseSums, room: PhaseRoom) -> None:

@@ -200,11 +200,16 @@ def test_a_wrong_sign_of_a_lift_is_noticed(name: str, monkeypatch: pytest.Monkey
         assert not confirmed(flow, made_torus(flow))
 
 
-def test_points_that_are_not_found_are_refused() -> None:
-    torus = made_torus(neumann())
+def test_points_that_are_not_found_are_refused_and_additions_take_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    flow, torus = neumann(), made_torus(neumann())
     torus.sums.frequencies[0] = np.nan
     with pytest.raises(PrecisionLoss, match="were not found"):
         torus.points(np.array([1.0]))
+    true = flow.at([1e6])
+    monkeypatch.setattr(oval_loops.LIBRARY, "points_at_times", lambda *given: False)
+    again = flow.at([1e6])
+    assert (true.way, again.way) == ("torus", "additions")
+    assert np.array_equal(true.q, again.q)
 
 
 def test_circles_have_thirty_digits() -> None:
