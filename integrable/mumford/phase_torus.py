@@ -72,10 +72,10 @@ class PhaseTorus(FarTimes):
 
     def _modes(self, rows: Sequence[Sequence[Real]], matrix: Row) -> Row:
         """The series of one oval, shape (modes, sums, 2)."""
-        shape = len(rows[0]) - 1, self._width, 2
-        room, found = np.empty((2, shape[0] * shape[1], 2))
-        LIBRARY.put_modes(double_double_row(x for row in rows for x in row), matrix, inverse_factorials(), room, found)
-        return found.reshape(shape)
+        nodes, samples = len(rows[0]), np.array([(h, float(x - h)) for row in rows for x in row for h in (float(x),)])
+        room, found = np.empty((2, (nodes - 1) * self._width, 2))
+        LIBRARY.put_modes(samples, nodes, matrix, inverse_factorials(), room, found)
+        return found.reshape(nodes - 1, self._width, 2)
 
     def _put_places(self, turn: Real) -> None:
         """Writes the phases at the start, in turns."""

@@ -18,7 +18,7 @@ from integrable.moving_point.addition import Real, Row
 from integrable.torus.clock_loops import greatest
 from integrable.torus.states import whole_turns
 from integrable.torus.theta_series import circle
-from jacobian.native.kinds import EIGHTS, FLOATS, INTS, WIDE_EIGHTS, WIDES, record
+from jacobian.native.kinds import EIGHTS, FLOATS, INT, INTS, WIDE_EIGHTS, WIDES, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
@@ -262,16 +262,13 @@ def add_swings(sums: PhaseSums, room: PhaseRoom) -> None:
             totals[j] = joined(totals[j], room.gaps[j] + 0 * a)
 
 
-def put_modes(samples: Row, matrix: Row, inverse: Row, room: Row, out: Row) -> None:
+def put_modes(samples: Row, nodes: int, matrix: Row, inverse: Row, room: Row, out: Row) -> None:
     """Writes the series of all sums on one oval to ``out``, in the order of ``waves`` (:class:`PhaseSums`).
 
-    ``samples`` has a row for each form: its coefficients of dφ at φ = π(k + ½)/n. Row i of the ``matrix`` has the parts
-    of form i in all sums.
+    ``samples`` has a row for each form: its coefficients of dφ at φ = π(k + ½)/n, with n ``nodes``. Row i of the
+    ``matrix`` has the parts of form i in all sums.
     """
-    width = 1
-    while width * width < len(matrix):
-        width += 1
-    nodes = len(samples) // width
+    width = len(samples) // nodes
     for row in abreast(0, nodes - 1):
         n = 0 * inverse[0] + (row + 1)
         c, s = circle(n / (4 * nodes), inverse)
@@ -295,7 +292,7 @@ LIBRARY = Library(
     {
         "points_at_times": (points_at_times, (SUMS, FLOATS, ROOM, WIDES)),
         "add_swings": (add_swings, (SUMS, ROOM)),
-        "put_modes": (put_modes, (WIDES, WIDES, WIDES, WIDES, WIDES)),
+        "put_modes": (put_modes, (WIDES, INT, *(WIDES,) * 4)),
     },
     SPECIAL,
 )

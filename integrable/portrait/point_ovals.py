@@ -12,7 +12,7 @@ from jacobian import poly
 from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable
 from jacobian.inexact.long_field import LongField
-from jacobian.periods.roots import all_roots
+from jacobian.periods.roots import all_roots, horner
 
 # roots are computed to a relative change of ROUNDED·eps
 ROUNDED = 64
@@ -33,9 +33,9 @@ class Form(NamedTuple):
     numerator: poly.Poly
     poles: tuple[Real, ...] = ()
 
-    def coefficient(self, N: FormulaField, x: Real) -> Real:
+    def coefficient(self, x: Real) -> Real:
         """The quotient numerator/Π(x − pole) at x."""
-        value: Real = poly.evaluate(N, self.numerator, x)
+        value: Real = horner(self.numerator, x)
         for p in self.poles:
             value = value / (x - p)
         return value

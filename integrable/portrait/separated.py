@@ -98,7 +98,7 @@ class SeparatedTorus:
             if weight > 0:
                 gaps = oval.middle - p + oval.radius, oval.middle - p - oval.radius
                 size = N.sqrt(gaps[0] * gaps[1])
-                residue = rest.coefficient(N, p) * weight
+                residue = rest.coefficient(p) * weight
                 found.append(Pole(p, residue, residue / (size if gaps[0] > 0 else -size), N.sqrt(gaps[0] / gaps[1])))
         return found
 
@@ -120,7 +120,7 @@ class SeparatedTorus:
             x = oval.middle - oval.radius * gmpy2.cos(self._pi * (2 * k + 1) / (2 * count))
             weight = oval.weight(N, x) * (factor(x) if factor else N.one)
             for row, form, parts in zip(rows, forms, poles, strict=True):
-                value = weight * form.coefficient(N, x)
+                value = weight * form.coefficient(x)
                 for pole in parts:
                     value -= pole.residue / (x - pole.place)
                 row.append(value)
@@ -256,7 +256,7 @@ class SeparatedTorus:
     def _slopes(self, oval: PointOval, phi: Real) -> list[Real]:
         """The coefficients of dφ of the g forms at an angle."""
         x = oval.middle - oval.radius * gmpy2.cos(phi)
-        return [form.coefficient(self._field, x) * oval.weight(self._field, x) for form in self.separation.forms]
+        return [form.coefficient(x) * oval.weight(self._field, x) for form in self.separation.forms]
 
     @cached_property
     def frequencies(self) -> list[Real]:
