@@ -95,12 +95,12 @@ class AxialFlow(MumfordFlow):
         The horizontal part of the axis is g = C·e^{iδ}√|z − 1|√|z + 1|, with the angle δ about the vertical. A square
         root that can vanish is replaced by a lift, which changes its sign where it vanishes.
         """
-        system, inner, ends, K = self.system, self._inner(RR), self._ends(N), Columns()
+        system, inner, pairs, K = self.system, self._inner(RR), torus.pairs(self._ends(N)), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 
         def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
             """(z, z', g, g'): the axis' height z, its horizontal part g for C = 1 and δ = ``turned``, and rates."""
-            u, v, lifts = torus.pair_at(K, [(Column(s), Column(c)) for s, c in halves], ends)
+            u, v, lifts = pairs.at(K, [(Column(s), Column(c)) for s, c in halves])
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z
             size, slope = 1 + 0 * z, 0 * z

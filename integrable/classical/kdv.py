@@ -241,7 +241,7 @@ class Wave:
 
     def _made_profile(self, t: float) -> Profile:
         from integrable.mumford.elliptic_torus import EllipticTorus
-        from integrable.mumford.phase_torus import PhaseTorus
+        from integrable.mumford.phase_torus import PhaseTorus, in_pairs
         from integrable.mumford.theta_torus import ThetaTorus
         from integrable.portrait.separated import SeparatedTorus
 
@@ -257,7 +257,8 @@ class Wave:
             start = place(N)
             forms = [Form((*[N.zero] * j, N.one)) for j in range(self._genus)]
             torus = SeparatedTorus(N, (start.f, start.u, start.v), Separation(forms, start.direction))
-            return PhaseTorus(torus, lambda halves, _: Extended(*torus.pair_at(Columns(), halves, ())[:2]))
+            pairs = torus.pairs(())
+            return PhaseTorus(torus, lambda points, _: Extended(*pairs.at(Columns(), in_pairs(points))[:2]))
 
     def _on(self, torus: Profile, xs: np.ndarray) -> np.ndarray:
         ((u, _),) = self._read(Columns(), torus.at(xs))

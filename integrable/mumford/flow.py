@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import Enclosure
     from integrable.portrait.differences import Inputs
+    from integrable.portrait.oval_pairs import LiftedPairs
     from integrable.portrait.section import Section
     from integrable.portrait.sensitivity import Sensitivity
     from integrable.portrait.separated import SeparatedTorus
@@ -44,19 +45,13 @@ if TYPE_CHECKING:
 # largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
 # BY_ADDITIONS is the cost of states by additions, and ON_TORUS that of states on a torus, for each genus. In genus > 3
-# the cost of a torus grows at least as the cube of the genus (python -m benchmarks mumford). Instead of additions,
-# Taylor series are tried up to a cost of LONGEST microseconds (python -m benchmarks near, real_torus)
+# the cost of a torus grows as the square of the genus. It is 5 to 9 ms in genus 3 (python -m benchmarks mumford), but
+# series take up to three times their estimated cost. Instead of additions, Taylor series are tried up to a cost of
+# LONGEST microseconds (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
-ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(60_000, 100)}
+ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(4000, 3)}
 # the costs on a torus if t is not linear in τ, which takes longer in genus 2
 ON_CLOCK = ON_TORUS | {2: Cost(750, 2)}
-# in genus ≥ 3 series with the finest steps are tried before a torus, up to this fraction of the cost of the torus
-SHARE_OF_FINEST = 1 / 3
-# in genus ≥ 3 states at fewer than TIMES_TO_TORUS far times are computed by additions: in genus 3 six states take
-# 72 ms, as long as a torus and its check (python -m benchmarks mumford)
-TIMES_TO_TORUS = 6
-Angles = Sequence[tuple[Any, Any]]
-"""The sine and cosine of half the angle φ of each point, or the cosine and sine of each angle about an axis."""
 # the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 
@@ -145,8 +140,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus. In genus ≥ 3, where the
-        set-up of a torus takes long, states at fewer than six times are computed by additions. Repeated calls return
+        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus. Repeated calls return
         the same bits, whatever was requested before. ArgumentError for times that are not numbers.
         """
         given = times_in(self.system.field, times, "times")
@@ -165,7 +159,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
         """The microseconds for the set-up and ``count`` states: on the torus or, if there is none, by additions."""
         if self._of_a_torus:
             cost = (ON_CLOCK if self.system.clocked else ON_TORUS)[min(self._genus, 3)]
-            return cost.of(count) * max(1.0, self._genus / 3) ** 3
+            return cost.of(count) * max(1.0, self._genus / 3) ** 2
         return self._cost_of_additions(count)
 
     def _cost_of_additions(self, count: int) -> float:
@@ -179,15 +173,13 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return kind and kind.walked(self._walk_given, times, self._budget(len(times)), self.tolerance)
 
     def _completed(self, near: Near | None, times: np.ndarray) -> StatesReached | None:
-        """The states in ``near``, and those at further ``times`` that Taylor series with the finest steps reach. The
-        series may cost a fraction of a torus or, if there is no torus, as much as additions. None if ``near`` is None.
+        """The states in ``near`` and, if there is no torus, those at further ``times`` that Taylor series with the
+        finest steps reach at the cost of additions. None if ``near`` is None.
         """
         if near is None:
             return None
         kind, count = self.system._kind, len(times)
-        if near.lacks(count) and self._genus > 2 and not near.exhausted:
-            near = kind.finished(near, self._walk_given, times, SHARE_OF_FINEST * self._budget(count))
-        if near.lacks(count) and self._torus_for(count) is None:
+        if near.lacks(count) and self._torus is None:
             near = kind.finished(near, self._walk_given, times, self._cost_of_additions(count))
         return StatesReached(SERIES, near.states, near.places, near.error)
 
@@ -216,8 +208,12 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return StatesReached(path.way, states, None, path.estimate)
 
     def _on_torus(self, times: np.ndarray) -> StatesReached | None:
-        torus = self._torus_for(len(times))
-        return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
+        torus = self._torus if len(times) else None
+        try:
+            return StatesReached(TORUS, self._read(torus, times)) if torus and torus.reaches(times) else None
+        except PrecisionLoss:
+            # points were not found at these times
+            return None
 
     def _by_additions(self, times: np.ndarray) -> StatesReached:
         return self._by_rows(times, self._row, self._long_way)
@@ -269,12 +265,12 @@ class MumfordFlow(StateFlow[Path], Immutable):
             self._tori[N.bits] = separated, self._pairs_on(N, separated)
         torus, pairs = self._tori[N.bits]
         angles, turned = torus.angles_at(N.coerce(time))
-        D = pairs(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [gmpy2.sin_cos(x)[::-1] for x in turned])
+        D = pairs.at(N, [gmpy2.sin_cos(phi / 2) for phi in angles], [gmpy2.sin_cos(x)[::-1] for x in turned])
         state: Point = self.system._back(N, self._inner(N), D, N.coerce(time))
         return state
 
     @cached_property
-    def _tori(self) -> dict[int, tuple[SeparatedTorus, Callable[[FormulaField, Angles, Angles], Extended]]]:
+    def _tori(self) -> dict[int, tuple[SeparatedTorus, LiftedPairs]]:
         """For each number of bits in use, the ovals and the function that computes pairs from angles in them."""
         return {}
 
@@ -378,65 +374,51 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
         """The function ``states(halves, turned)`` that returns q and p at many points of the torus, in floats:
-        ``halves`` are as in :meth:`_states_on`, ``turned`` are the angles about an axis.
+        ``halves`` are (sin ½φ, cos ½φ) of each point, ``turned`` the angles about an axis since the start.
         """
-        K, read = Columns(), self._states_on(N, torus)
+        read = self._reader_on(N, torus)
 
         def states(halves: list[tuple[np.ndarray, np.ndarray]], turned: Arrays) -> tuple[Arrays, Arrays]:
-            given = [(Column(np.cos(x)), Column(np.sin(x))) for x in turned]
-            found = read(K, [(Column(s), Column(c)) for s, c in halves], given)
-            # a coordinate that does not depend on the angles is a single number, and is made an array
-            zero = 0 * halves[0][0]
-            q, p = ([x.hi + zero for x in part] for part in found)
-            return q, p
+            rows = [*(x for pair in halves for x in pair), *(x for phi in turned for x in (np.cos(phi), np.sin(phi)))]
+            points = np.stack((np.stack(rows), np.zeros((len(rows), len(rows[0])))), axis=2)
+            q, p = read(points, np.zeros(len(rows[0]))).transpose(1, 2, 0)
+            return [*q], [*p]
 
         return states
 
-    def _states_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Point]:
-        """The function ``read(K, halves, turned)`` that returns a state on the torus, over K.
+    def _reader_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+        """The function that a :class:`integrable.mumford.phase_torus.PhaseTorus` calls for states, (N, 2, n)."""
+        from integrable.mumford.phase_torus import in_pairs
+        from integrable.portrait.oval_pairs import numbers_of
 
-        Each point of the pair is at x = middle − radius·cos φ in its oval, and ``halves`` are its (sin ½φ, cos ½φ).
-        ``turned`` are (cos, sin) of each angle about an axis, counted from the start.
+        pairs, genus = self._pairs_on(N, torus), len(torus.ovals)
+        if self._recorded is None or torus.separation.turns:
+            return lambda points, times: self._back_at(
+                pairs.at(Columns(), in_pairs(points[: 2 * genus]), in_pairs(points[2 * genus :])), times
+            )
+        formulas, (q, p) = self.system._formulas.on_ovals(pairs), self._recorded[0]
+        fixed = formulas.fixed(N, (*q, *p, *self._numbers[2 * len(q) :], *numbers_of(pairs)))
+        return lambda points, times: formulas.states(fixed, [*points], times)
+
+    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> LiftedPairs:
+        """The function from points in their ovals to pairs, each lift with the sign that continues that of the start.
+
+        Data that are no lifts are the time t, which formulas of states do not use.
         """
-        pairs = self._pairs_on(N, torus)
+        from integrable.portrait.oval_pairs import LiftedPairs
 
-        def read(K: FormulaField, halves: Angles, turned: Angles) -> Point:
-            state: Point = self.system._back(K, self._inner(K), pairs(K, halves, turned), K.zero)
-            return state
-
-        return read
-
-    def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[FormulaField, Angles, Angles], Extended]:
-        """The function ``pairs(K, halves, turned)`` that returns the pair of the state in :meth:`_states_on`.
-
-        The data of the pair are its lifts, each with the sign that continues that of the start; 0 for a datum that is
-        the time t; and ``turned``.
-        """
-        start, ends = self._place(N), self._ends(N)
-        here = iter(torus.pair_at(N, torus.halves, ends)[2])
-        scales: list[tuple[Real, Real, int] | None] = []
+        start, pairs = self._place(N), torus.pairs(self._ends(N))
+        here = iter(pairs.at(N, torus.halves)[2])
+        lifts: list[tuple[Real, Real, int] | None] = []
         for kind, datum in zip(start.kinds, start.data, strict=True):
             if isinstance(kind, Lift):
                 (kappa, sigma, nu), (own, slope) = datum, next(here)
                 scale, side = 1 / N.sqrt(abs(kappa)), 1 if kappa > 0 else -1
                 ahead = scale * own * sigma + side * scale * slope * nu >= 0
-                scales.append((kappa, scale if ahead else -scale, side))
+                lifts.append((kappa, scale if ahead else -scale, side))
             else:
-                scales.append(None)
-
-        def pairs(K: FormulaField, halves: Angles, turned: Angles) -> Extended:
-            u, v, lifts = torus.pair_at(K, halves, ends)
-            found, data = iter(lifts), []
-            for scale in scales:
-                if scale is None:
-                    data.append(K.zero)
-                else:
-                    (kappa, size, side), (sigma, slope) = scale, next(found)
-                    size = K.coerce(size)
-                    data.append((K.coerce(kappa), size * sigma, side * size * slope))
-            return Extended(u, v, (*data, *turned))
-
-        return pairs
+                lifts.append(None)
+        return LiftedPairs(pairs, tuple(lifts))
 
     def _places(self, times: list[Real]) -> list[Real]:
         """The arguments with which :meth:`_row` finds the states at ``times``: the times themselves, unless a subclass
@@ -449,10 +431,6 @@ class MumfordFlow(StateFlow[Path], Immutable):
         """Whether motions of this system have a torus in floats; in genus 1 only if t is linear in τ."""
         system = self.system
         return not system.complex_data and (not system.clocked or self._genus >= 2)
-
-    def _torus_for(self, count: int) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
-        """The torus if there is one and ``count`` times justify its set-up, else None."""
-        return self._torus if count >= TIMES_TO_TORUS or (count and self._genus <= 2) else None
 
     @cached_property
     def _torus(self) -> EllipticTorus | PhaseTorus | ThetaTorus | None:
@@ -481,8 +459,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
         with LongField(BITS_OF_TORUS) as N:
             separated = self._separated(N)
-            pairs = self._pairs_on(N, separated)
-            return PhaseTorus(separated, lambda halves, turned: pairs(Columns(), halves, turned))
+            return PhaseTorus(separated, self._reader_on(N, separated))
 
     def _confirmed(self, torus: Any) -> bool:
         """Whether the states of a torus agree with those by Taylor series of the equations of motion, signs included.
@@ -506,13 +483,18 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     def _read(self, torus: Any, times: np.ndarray) -> np.ndarray:
         """The states that a torus gives at the N ``times``, shape (N, 2, n)."""
-        D = torus.at(times)
+        found = torus.at(times)
+        return found if isinstance(found, np.ndarray) else self._back_at(found, times)
+
+    def _back_at(self, D: Extended, times: np.ndarray) -> np.ndarray:
+        """The states of N pairs, each at its own time, shape (N, 2, n)."""
         if self._recorded is not None:
             states: np.ndarray = self.system._formulas.states(self._recorded[2], D, times)
             return states
         N = Columns()
         columns = self.system._back(N, self._inner(N), D, Column(times))
-        return np.stack([np.stack([x.hi for x in part], axis=1) for part in columns], axis=1)
+        # a coordinate that does not depend on the angles is a single number, and is made an array
+        return np.stack([np.stack([x.hi + 0 * times for x in part], axis=1) for part in columns], axis=1)
 
 
 def element(K: Any, x: Real) -> Any:

@@ -7,6 +7,7 @@ numbers, and nanoseconds in double-doubles, where a compiled loop applies the ta
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import repeat
 from math import log
 from typing import Any
 
@@ -17,6 +18,7 @@ from integrable.moving_point.addition import Row
 from integrable.moving_point.compiled import SPECIAL
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import Start, Vectors
+from integrable.portrait.oval_pairs import LiftedPairs, numbers_of, renewed
 from integrable.series.symbols import Key, Symbol, SymbolField
 from integrable.series.tape import (
     CONSTANT,
@@ -73,7 +75,7 @@ class PairFormulas:
         back: Callable[[PairField, Sequence[Real], Extended, Real], Vectors],
         count: int,
     ) -> None:
-        N = PairField()
+        N, self._back, self._count, self._on_ovals = PairField(), back, count, dict[LiftedPairs, PointFormulas]()
         self._shape: tuple[Vectors, Start]
 
         def started(y: Sequence[Real]) -> list[Real]:
@@ -105,11 +107,21 @@ class PairFormulas:
         """The states of N pairs, each at its own time: q and p, shape (N, 2, n). Every number of ``D`` is a
         :class:`integrable.mumford.columns.Column` of N numbers; ``fixed`` is the result of :meth:`PointFormulas.fixed`.
         """
-        rows = [*map(Column.of, flat((D.u[:-1], D.v, D.data))), Column(times)]
-        given = np.zeros((len(rows), len(times), 2))
-        for row, x in zip(given, rows, strict=True):
-            row[:, 0], row[:, 1] = x.hi, x.lo
-        return self.back.at(fixed, given)[:, :, 0].reshape(len(times), 2, -1)
+        return self.back.states(fixed, [*flat((D.u[:-1], D.v, D.data))], times)
+
+    def on_ovals(self, pairs: LiftedPairs) -> PointFormulas:
+        """The formulas of states from points in ovals, whose variables are (sin ½φ, cos ½φ) of each point and the time.
+        The fixed variables are those of :attr:`back`, then the numbers of ``pairs``.
+        """
+        shape, count, start = renewed(pairs, repeat(0.0)), self._count, self._count + len([*numbers_of(pairs)])
+
+        def read(y: Sequence[Real]) -> list[Real]:
+            own, halves = renewed(pairs, iter(y[count:start])), zip(y[start:-1:2], y[start + 1 : -1 : 2], strict=True)
+            return [*flat(self._back(PairField(), y[:count], own.at(PairField(), [*halves]), y[-1]))]
+
+        if shape not in self._on_ovals:
+            self._on_ovals[shape] = PointFormulas(recorded(read, start + 2 * len(pairs.pairs.ovals) + 1), start)
+        return self._on_ovals[shape]
 
 
 class PointFormulas:
@@ -124,6 +136,19 @@ class PointFormulas:
     def fixed(self, N: LongField, numbers: Sequence[Real]) -> Row:
         """The values of all operations that depend on the first ``count`` variables only, in double-doubles."""
         return double_double_row(self._fixed(N, numbers)).reshape(-1, 2)
+
+    def states(self, fixed: Row, rows: Sequence[Column | Real | np.ndarray], times: np.ndarray) -> np.ndarray:
+        """The results as (q, p), shape (N, 2, n), where the last variable is the time. ``rows`` are the others:
+        columns, numbers, or double-doubles (N, 2).
+        """
+        given = np.zeros((len(rows) + 1, len(times), 2))
+        given[-1, :, 0] = times
+        for row, x in zip(given, rows, strict=False):
+            if isinstance(x, np.ndarray):
+                row[:] = x
+            else:
+                row[:, 0], row[:, 1] = (x := Column.of(x)).hi, x.lo
+        return self.at(fixed, given)[:, :, 0].reshape(len(times), 2, -1)
 
     def at(self, fixed: Row, given: np.ndarray) -> np.ndarray:
         """The results at N points, (N, results, 2). ``given``: the variables from ``count`` on, (variables, N, 2)."""

@@ -8,14 +8,14 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from jacobian import MP, poly
+from jacobian import poly
 from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable
 from jacobian.inexact.long_field import LongField
-from jacobian.numbers.long_reals import BareReals
-from jacobian.periods.quadrature import working_numbers
-from jacobian.periods.roots import simple_roots
+from jacobian.periods.roots import all_roots, horner
 
+# roots are computed to a relative change of ROUNDED·eps
+ROUNDED = 64
 # a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root is known to half of the digits only
 REAL = 3
 DIGITS_A_BIT = math.log10(2)
@@ -33,9 +33,9 @@ class Form(NamedTuple):
     numerator: poly.Poly
     poles: tuple[Real, ...] = ()
 
-    def coefficient(self, N: FormulaField, x: Real) -> Real:
+    def coefficient(self, x: Real) -> Real:
         """The quotient numerator/Π(x − pole) at x."""
-        value: Real = poly.evaluate(N, self.numerator, x)
+        value: Real = horner(self.numerator, x)
         for p in self.poles:
             value = value / (x - p)
         return value
@@ -127,9 +127,9 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> 
     The roots in ``known`` are taken as exact.
     """
     a = poly.quotient(N, a, poly.from_roots(N, known))
-    K = MP(math.ceil(N.bits * DIGITS_A_BIT))
-    numbers, convert = working_numbers(K), BareReals(N.bits).element
-    found = simple_roots(numbers, [numbers.real(convert(K, c)) for c in a]) if len(a) > 1 else []
+    import gmpy2
+
+    found = all_roots(a, gmpy2.mpc, ROUNDED * N.eps) if len(a) > 1 else []
     least = least_part(N, [*found, *known])
     real = sorted([*known, *(N.coerce(x.real) for x in found if abs(x.imag) <= least)])
     return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]

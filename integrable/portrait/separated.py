@@ -16,10 +16,10 @@ import gmpy2
 import numpy as np
 
 from integrable.portrait.oval_angles import OvalAngles
+from integrable.portrait.oval_pairs import OvalPairs
 from integrable.portrait.point_ovals import (
     DIGITS_A_BIT,
     Form,
-    Halves,
     PointOval,
     Pole,
     Separation,
@@ -31,7 +31,7 @@ from integrable.portrait.point_ovals import (
 from integrable.torus.clock import resolved
 from integrable.torus.series import TorusSeries, long_spectrum, needed_sizes, spectrum
 from jacobian import MP, poly
-from jacobian.element import FormulaField, Real
+from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
@@ -77,8 +77,10 @@ class SeparatedTorus:
         return [*self.separation.forms, *(form for form, _ in self.separation.turns)]
 
     @cached_property
-    def _values(self) -> list[list[list[Real]]]:
-        """The coefficients of dφ of all forms at the nodes of each oval, minus the parts in :attr:`poles`."""
+    def samples(self) -> list[list[list[Real]]]:
+        """For each oval and form the coefficients of dφ at φ = π(k + ½)/n, minus the parts in :attr:`poles`. From them
+        means have all digits, and Fourier modes half of the digits.
+        """
         return [self._sampled(oval, self.forms) for oval in self.ovals]
 
     @cached_property
@@ -96,26 +98,29 @@ class SeparatedTorus:
             if weight > 0:
                 gaps = oval.middle - p + oval.radius, oval.middle - p - oval.radius
                 size = N.sqrt(gaps[0] * gaps[1])
-                residue = rest.coefficient(N, p) * weight
+                residue = rest.coefficient(p) * weight
                 found.append(Pole(p, residue, residue / (size if gaps[0] > 0 else -size), N.sqrt(gaps[0] / gaps[1])))
         return found
 
     def _sampled(
-        self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None
+        self, oval: PointOval, forms: Sequence[Form], factor: Callable[[Real], Real] | None = None, modes: bool = False
     ) -> list[list[Real]]:
-        """For each form the coefficients of dφ at φ = π(k + ½)/n, times ``factor``, without the terms of its poles."""
+        """Samples as in :attr:`samples`, times ``factor``. If ``modes``, n is a power of 2 such that Fourier modes have
+        all digits.
+        """
         N = self._field
         poles = [self._poles_of(oval, form) for form in forms]
         wanted = N.bits * math.log(2) / max(oval.decay, 1e-9) + SPARE_NODES
         if wanted > MOST_NODES:
             raise PrecisionLoss("branch points nearly meet: the motion is too near to a separatrix")
-        count = 1 << math.ceil(math.log2(wanted))
+        # the sum over n nodes has the error of mode 2n
+        count = 1 << math.ceil(math.log2(wanted)) if modes else math.ceil(wanted / 2) + SPARE_NODES
         rows: list[list[Real]] = [[] for _ in forms]
         for k in range(count):
             x = oval.middle - oval.radius * gmpy2.cos(self._pi * (2 * k + 1) / (2 * count))
             weight = oval.weight(N, x) * (factor(x) if factor else N.one)
             for row, form, parts in zip(rows, forms, poles, strict=True):
-                value = weight * form.coefficient(N, x)
+                value = weight * form.coefficient(x)
                 for pole in parts:
                     value -= pole.residue / (x - pole.place)
                 row.append(value)
@@ -126,7 +131,7 @@ class SeparatedTorus:
         """The mean of the coefficient of dφ, for each oval and form."""
         return [
             [_mean(row, poles) for row, poles in zip(rows, places, strict=True)]
-            for rows, places in zip(self._values, self.poles, strict=True)
+            for rows, places in zip(self.samples, self.poles, strict=True)
         ]
 
     def phase_of(self, sums: Sequence[Real]) -> list[Real]:
@@ -152,7 +157,7 @@ class SeparatedTorus:
                 2 * (c * z.real + s * z.imag) / n for n, (z, (s, c)) in enumerate(zip(modes, turns, strict=True), 1)
             ]
 
-        return [[of_row(row) for row in rows] for rows in self._values]
+        return [[*map(of_row, self._sampled(oval, self.forms, modes=True))] for oval in self.ovals]
 
     def _sums(self, angles: Sequence[Real]) -> list[Real]:
         """For each form, the sum over the points of its integral from the lower end to the angle of the point."""
@@ -172,55 +177,9 @@ class SeparatedTorus:
         """The phases of the start, in turns: one for each oval, 0 at its lower end."""
         return self.phase_of(self._sums(self.start))
 
-    def pair_at(self, N: FormulaField, halves: Halves, ends: Sequence[Real]) -> tuple[poly.Poly, poly.Poly, Halves]:
-        """(U, V, [(σ, V(e)/σ) at each of the branch points ``ends``]), where σ² = |U(e)|, in the numbers of N.
-
-        ``halves`` are (sin ½φ, cos ½φ) of each point. If a point turns at e, σ has the sign of its sin ½φ (e is the
-        lower end of its oval) or of its cos ½φ (the upper end). No formula divides by a quantity that vanishes at e.
-        """
-        ovals = [oval.over(N) for oval in self.ovals]
-        points = [o.middle - o.radius * (c * c - s * s) for o, (s, c) in zip(ovals, halves, strict=True)]
-        # y = 2·radius·sin ½φ·cos ½φ·pace
-        paces = [1 / o.weight(N, x) for o, x in zip(ovals, points, strict=True)]
-        apart = [[x - z for j, z in enumerate(points) if j != i] for i, x in enumerate(points)]
-        shares = [p / math.prod(row, start=N.one) for p, row in zip(paces, apart, strict=True)]
-        u: poly.Poly = poly.from_roots(N, points)
-        v = [N.zero] * len(points)
-        for i, (oval, share, (s, c)) in enumerate(zip(ovals, shares, halves, strict=True)):
-            rest, height = poly.from_roots(N, [*points[:i], *points[i + 1 :]]), 2 * oval.radius * share * s * c
-            v = [x + height * y for x, y in zip(v, rest, strict=True)]
-        return u, tuple(v), [self._lift_at(N, e, ovals, points, halves, shares) for e in ends]
-
-    def _lift_at(
-        self,
-        N: FormulaField,
-        end: Real,
-        ovals: Sequence[PointOval],
-        points: Sequence[Real],
-        halves: Halves,
-        shares: Sequence[Real],
-    ) -> tuple[Real, Real]:
-        """The pair (σ, V(e)/σ) at a branch point e; ``shares`` are y/(r·sin φ·Π(x − other points)), with the radius r
-        of the oval.
-        """
-        place, e = self.place_of(end), N.coerce(end)
-        own, root, rest, size = None, N.one, N.one, N.one
-        # ``gaps`` has |e − x| for each point x, but a signed √|e − x| for the point that turns at e
-        gaps, signs = [], []
-        for k, (oval, x, (s, c)) in enumerate(zip(ovals, points, halves, strict=True)):
-            signs.append(1 if place > oval.place else -1)
-            if place in (oval.place, oval.place + 1):
-                own, size = k, N.sqrt(2 * oval.radius)
-                root, rest = (s * size, c) if place == oval.place else (c * size, s)
-            gaps.append(root if own == k else signs[-1] * (e - x))
-        others = [N.sqrt(gap) for k, gap in enumerate(gaps) if k != own]
-        far, slope = math.prod(others, start=N.one), N.zero
-        for i, (share, (s, c)) in enumerate(zip(shares, halves, strict=True)):
-            value = size * share * rest if i == own else 2 * ovals[i].radius * share * s * c
-            for k, (gap, sign) in enumerate(zip(gaps, signs, strict=True)):
-                value = value if k == i else value * gap * sign
-            slope = slope + value
-        return root * far, slope / far
+    def pairs(self, ends: Sequence[Real]) -> OvalPairs:
+        """The function from points in their ovals to pairs with lifts at the branch points ``ends``."""
+        return OvalPairs(tuple(self.ovals), tuple((self.place_of(e), e) for e in ends))
 
     @property
     def halves(self) -> list[tuple[Real, Real]]:
@@ -297,7 +256,7 @@ class SeparatedTorus:
     def _slopes(self, oval: PointOval, phi: Real) -> list[Real]:
         """The coefficients of dφ of the g forms at an angle."""
         x = oval.middle - oval.radius * gmpy2.cos(phi)
-        return [form.coefficient(self._field, x) * oval.weight(self._field, x) for form in self.separation.forms]
+        return [form.coefficient(x) * oval.weight(self._field, x) for form in self.separation.forms]
 
     @cached_property
     def frequencies(self) -> list[Real]:

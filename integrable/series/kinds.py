@@ -65,14 +65,12 @@ class Near(NamedTuple):
     """The states at those times that were reached, of shape (N, parts, n): q, p and any further parts.
 
     ``places`` are the indices of these times, None for all times in order. ``error`` estimates the largest error,
-    relative to the largest component of q, or of p. ``exhausted``: a walk was given up because it would have taken too
-    long; finer steps, each of which costs more, would not reach its times either.
+    relative to the largest component of q, or of p.
     """
 
     places: np.ndarray | None
     states: np.ndarray
     error: float
-    exhausted: bool = False
 
     def lacks(self, count: int) -> bool:
         """Whether some of ``count`` times were not reached."""
@@ -173,7 +171,7 @@ class Kind:
                 left = np.arange(len(times)) if left is None else left
                 right, given_up = found.right, bool(exhausted(found.reached, len(left), found.lost, found.tier, steps))
                 error = SPARE * min(found.gap, steps.tiers[0].agreed)
-                parts.append(Near(left[right], found.states[right], error, given_up))
+                parts.append(Near(left[right], found.states[right], error))
                 left, tier = np.delete(left, right), found.tier + 1
                 if given_up or not len(left):
                     return self._joined(parts)
@@ -184,7 +182,7 @@ class Kind:
         nothing = Near(np.empty(0, dtype=np.int64), np.empty((0, self.count // self.half, self.half)), 0.0)
         had = [part for part in parts if len(part.states)] or [nothing]
         places, states = (np.concatenate(x) for x in zip(*[part[:2] for part in had], strict=True))
-        return Near(places, states, max(part.error for part in had), any(part.exhausted for part in parts))
+        return Near(places, states, max(part.error for part in had))
 
 
 # the arguments of the compiled :func:`integrable.series.walk.walked` in memory, as 64-bit words; an array is its

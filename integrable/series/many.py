@@ -17,18 +17,17 @@ from integrable.series.walk import FARTHEST, Many
 
 
 class NearMany(NamedTuple):
-    """The states of K motions at N times, shape (K, N, parts, n), and which of these were reached. ``errors`` and
-    ``exhausted`` are for each motion as in :class:`integrable.series.kinds.Near`.
+    """The states of K motions at N times, shape (K, N, parts, n), and which of these were reached. ``errors`` are
+    for each motion as in :class:`integrable.series.kinds.Near`.
     """
 
     states: np.ndarray
     reached: np.ndarray
     errors: np.ndarray
-    exhausted: np.ndarray
 
     def of(self, member: int) -> Near:
         places = np.flatnonzero(self.reached[member])
-        return Near(places, self.states[member, places], float(self.errors[member]), bool(self.exhausted[member]))
+        return Near(places, self.states[member, places], float(self.errors[member]))
 
 
 def walked_by_many(
@@ -40,7 +39,7 @@ def walked_by_many(
     """
     (count, length), parts = times.shape, kind.count // kind.half
     states, none = np.empty((count, length, parts, kind.half)), np.zeros((count, length), dtype=bool)
-    found = NearMany(states, none, np.zeros(count), np.zeros(count, dtype=bool))
+    found = NearMany(states, none, np.zeros(count))
     walks = _Walks(kind, np.array(constants, dtype=float), starts, times, most)
     for steps in steps_for(tolerance):
         walks.tiers[:] = 0
@@ -96,7 +95,6 @@ class _Walks:
         self.left[rows[right]] = False
         self.tiers[which] = tier + 1
         self.over[which] = exhausted(reached, count, lost, tier, steps)
-        np.logical_or.at(found.exhausted, members, self.over[which])
         # the errors of walks that have found no state do not count
         had = np.add.reduceat(right, ends[:-1]) > 0
         np.maximum.at(found.errors, members[had], SPARE * np.minimum(gap[had], steps.tiers[0].agreed))

@@ -102,8 +102,8 @@ INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
 HIGHS = ArrayKind(FLOAT, parts=2)
 """The high parts of double-doubles."""
 LONGS = ArrayKind(LONG, parts=2)
-EIGHTS = ArrayKind(_ABREAST[FLOAT], parts=LANES)
-"""Items of LANES floats each, one for each SIMD lane."""
+EIGHTS, WIDE_EIGHTS = ArrayKind(_ABREAST[FLOAT], parts=LANES), ArrayKind(_ABREAST[WIDE], parts=2 * LANES)
+"""Items of LANES floats, or double-doubles, one for each SIMD lane."""
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from jacobian.errors import PrecisionLoss
 from jacobian.periods.quadrature import Numbers
+
+# changes of roots up to SETTLED, relative to the roots, are rounding errors if they have not decreased in PATIENT steps
+SETTLED, PATIENT = 1e-6, 10
 
 
 def simple_roots(numbers: Numbers, coefficients: Sequence[Any]) -> list[Any]:
@@ -16,12 +19,18 @@ def simple_roots(numbers: Numbers, coefficients: Sequence[Any]) -> list[Any]:
 
     Simple roots are accurate to the working precision; multiple ones inevitably lose digits.
     """
+    convert = None if numbers.machine else numbers.convert
+    return all_roots(coefficients, convert, numbers.ten(2 - numbers.digits))
+
+
+def all_roots(coefficients: Sequence[Any], convert: Callable[[complex], Any] | None, tolerance: Any) -> list[Any]:
+    """:func:`simple_roots` in any numbers, to a relative ``tolerance``: ``convert`` makes such a number of a complex
+    number; without it the roots are doubles.
+    """
     if len(coefficients) == 2:
         return [-coefficients[0] / coefficients[1]]
     rough = _aberth([complex(c) for c in coefficients], _circle(coefficients), 1e-15)
-    if numbers.machine:
-        return rough
-    return _aberth(coefficients, [numbers.convert(x) for x in rough], numbers.ten(2 - numbers.digits))
+    return rough if convert is None else _aberth(coefficients, [convert(x) for x in rough], tolerance)
 
 
 def check_separated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
@@ -56,7 +65,7 @@ def _circle(coefficients: Sequence[Any]) -> list[complex]:
 
 def _aberth(a: Sequence[Any], x: list[Any], tolerance: Any) -> list[Any]:
     slope = [i * c for i, c in enumerate(a)][1:]
-    x = list(x)
+    x, least, idle = list(x), math.inf, 0
     for _ in range(500):
         change = 0
         for i, z in enumerate(x):
@@ -68,7 +77,8 @@ def _aberth(a: Sequence[Any], x: list[Any], tolerance: Any) -> list[Any]:
             step = value / below if below else abs(z) * tolerance
             x[i] = z - step
             change = max(change, abs(step) / (abs(z) or 1))
-        if change <= tolerance * 8:
+        least, idle = (change, 0) if change < least else (least, idle + 1)
+        if change <= tolerance * 8 or (idle >= PATIENT and least <= SETTLED):
             break
     return x
 

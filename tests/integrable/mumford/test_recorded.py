@@ -16,6 +16,7 @@ from integrable.mumford.branch_points import long_roots
 from integrable.mumford.columns import Column, Columns
 from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
+from integrable.mumford.phase_torus import PhaseTorus, in_pairs
 from integrable.mumford.recorded import PairFormulas, parts_of
 from integrable.systems.on_layer import BodyOnLayer
 from integrable.torus.theta_series import long_numbers
@@ -67,8 +68,13 @@ def test_states_of_many_pairs_are_those_of_the_formulas(name) -> None:
     state = system.state(q, p)
     flow = system.by_additions(state) if name == "ball" else system.flow(state)
     times = np.linspace(-2, 3, 300)
-    pairs = flow._made_torus().at(times)
-    N = Columns()
+    torus, N = flow._made_torus(), Columns()
+    if isinstance(torus, PhaseTorus):
+        with long_numbers(160) as L:
+            lifted = flow._pairs_on(L, flow._separated(L))
+        pairs = lifted.at(N, in_pairs(torus.points(times)))
+    else:
+        pairs = torus.at(times)
     true = system._back(N, Point(*(tuple(map(N.coerce, part)) for part in flow._recorded[0])), pairs, Column(times))
     found = system._formulas.states(flow._recorded[2], pairs, times)
     for k, part in enumerate(true):
