@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
-SPARE_BITS = 16
-"""A point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -159,8 +157,8 @@ class CurvesCarrier(Carrier):
         raise NotImplementedError
 
     def moves(self, curve: EllipticOval) -> bool:
-        """Whether the point of a curve moves. If it rests, the ends of its oval are known to half of the digits."""
-        return bool(curve.swing > self.field.doubled(self.field.root_of_eps, SPARE_BITS) * curve.breadth)
+        """Whether the point of a curve moves."""
+        return True
 
 
 class OnCurves(ManyDigits):

@@ -36,6 +36,9 @@ from jacobian.inexact.long_field import LongField
 
 __all__ = ["PoleFlow"]
 
+# a point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps
+SPARE_BITS = 16
+
 
 class PoleFrame(NamedTuple):
     """The constants from which states of a pair with repelling poles are computed: the λ_k, and the signs of γ_i."""
@@ -76,6 +79,10 @@ class CubicCarrier(CurvesCarrier):
         x, y, z = (K.one if g > 0 else -K.one for g in state.vectors[0])
         self.frame = PoleFrame((one, two), (x, y, z))
         self.shown = self.moved((K.zero, K.zero))
+
+    def moves(self, curve: EllipticOval) -> bool:
+        # if the point rests, the ends of its oval are known to half of the digits
+        return bool(curve.swing > self.field.doubled(self.field.root_of_eps, SPARE_BITS) * curve.breadth)
 
     @staticmethod
     def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:

@@ -279,6 +279,20 @@ def test_small_oscillations_have_the_frequencies_of_the_linearized_equations() -
         flow.section(1)
 
 
+@pytest.mark.parametrize("kind", [Tilde, Check, Hat])
+@pytest.mark.parametrize("inertia", [(1, 1 + 1e-14, 2), (1, 1 + 2**-52, 1 + 2**-51)])
+def test_a_point_moves_in_the_oval_of_moments_that_differ_in_last_bits(kind, inertia) -> None:
+    system = kind(inertia)
+    flow = system.flow(system.state(*START))
+    wide = flow._through(flow._numbers, MP(60))
+    assert flow.portrait.angles == pytest.approx([float(x) for x in wide.portrait.angles], rel=1e-15)
+    for oval in (0, 1):
+        section, true = flow.section(3, oval), wide.section(3, oval).times.astype(float)
+        assert abs(section.times - true).max() <= 1e-15 * true.max()
+        w = np.cross(section.run.gamma, section.run.M)
+        assert (abs(w).min(axis=1) < 1e-14).all()
+
+
 def test_a_factor_of_m_changes_all_frequencies() -> None:
     """H is of degree 2 in M: with 3M the frequencies and actions are those with M, times 3; 2Σ2πf·J = H at d = 0."""
     system, portrait = SYSTEMS["hat"], flow_of("hat").portrait
