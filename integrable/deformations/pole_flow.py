@@ -33,6 +33,7 @@ from jacobian import RR, poly
 from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 
 __all__ = ["PoleFlow"]
 
@@ -180,7 +181,7 @@ class PoleFlow(DeformedFlow):
             raise NotRepresentable(f"spectrum: it is computed in floats, this flow is over {system.field.name}")
 
         def read(phases: np.ndarray) -> dict[str, np.ndarray]:
-            rows = self._compiled.at_phases(phases)
+            rows = self._many.at_phases(phases) if interpreted() else self._compiled.at_phases(phases)
             if rows is None:
                 raise PrecisionLoss("spectrum: floats have too few digits for this motion, next to a separatrix")
             gamma, M = rows[:, :3], rows[:, 3:]

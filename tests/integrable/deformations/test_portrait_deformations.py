@@ -14,6 +14,7 @@ from integrable import Check, Gyroscopic, Hat, Tilde
 from jacobian import GF, MP, RR
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import replaced
+from jacobian.native.library import Library
 from tests.integrable.deformed_systems import KINDS, random_deformation
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -242,6 +243,24 @@ def test_the_lines_add_up_to_the_motion(name) -> None:
         assert abs((waves @ getattr(found, quantity)).real - wanted).max() < 3e-12 * abs(wanted).max()
     assert np.allclose(found.frequencies, found.modes @ flow.portrait.frequencies / 2, rtol=0, atol=1e-12)
     assert (found.frequencies > 0).sum() == len(found) - 1
+
+
+def test_lines_in_poles_are_those_of_interpreted_code(monkeypatch) -> None:
+    system = Tilde((1, 2, 4), potential=(0, 0, 8, 8, 8))
+    state = system.state(*START)
+    true = system.flow(state).spectrum()
+
+    def load(library):
+        raise AssertionError(f"{library.name} is compiled")
+
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    monkeypatch.setattr(Library, "load", load)
+    monkeypatch.setattr(Library, "__getattr__", lambda library, name: load(library))
+    found = system.flow(state).spectrum()
+    assert found.modes.tolist() == true.modes.tolist()
+    for quantity in true.quantities:
+        wanted = getattr(true, quantity)
+        assert abs(getattr(found, quantity) - wanted).max() <= 1e-15 * abs(wanted).max()
 
 
 # --- what grows
