@@ -146,10 +146,11 @@ def oval_around(lead: Real, roots: Roots, x: Real) -> PointOval:
     last = len(real) - 1
     # f > 0 between every second pair of neighbouring real roots
     first = (last - (0 if lead > 0 else 1)) % 2
-    places = range(first, last, 2)
-    if not places:
+    # the ranges beyond the least and the largest root have the numbers −1 and ``last``
+    ends = [-math.inf, *real, math.inf]
+    k = min(range(-first, last + 1, 2), key=lambda k: max(ends[k + 1] - x, x - ends[k + 2], 0), default=-1)
+    if not 0 <= k < last:
         raise NotRepresentable("a point of this motion is in no bounded oval: the motion is unbounded")
-    k = min(places, key=lambda k: max(real[k] - x, x - real[k + 1], 0))
     below, above = real[k], real[k + 1]
     others: list[tuple[Real, Real | None]] = [(e, None) for e in (*real[:k], *real[k + 2 :])]
     others += [(e, s * s) for e, s in pairs]

@@ -10,6 +10,7 @@ import pytest
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.two_gaps import TwoGaps
 from integrable.mumford.flow import Point
 from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
@@ -179,3 +180,12 @@ def test_a_point_that_rests_has_the_frequency_of_small_oscillations(state) -> No
     assert min(near.angles) >= 0
     with pytest.raises(NotRepresentable, match=r"^angles: .* a point of the pair rests"):
         _ = found.angles
+
+
+def test_a_point_beyond_all_bounded_ovals_is_in_none_of_them() -> None:
+    """The gap becomes infinite within a time of order 1; no oval is its oval, though one is next to it."""
+    system = TwoGaps((0, -5, 0))
+    flow = system.flow(system.state((1, 2), (0.5, 0.3)))
+    for ask in (lambda: flow.portrait, lambda: flow.section(1), flow.spectrum):
+        with pytest.raises(NotRepresentable, match="unbounded"):
+            ask()
