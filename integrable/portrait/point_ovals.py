@@ -18,6 +18,8 @@ from jacobian.periods.roots import simple_roots
 
 # a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root is known to half of the digits only
 REAL = 3
+# a value of a polynomial below 2^ROUNDED_BITS rounding units of its terms may be rounding
+ROUNDED_BITS = 12
 DIGITS_A_BIT = math.log10(2)
 
 
@@ -131,8 +133,38 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> 
     numbers, convert = working_numbers(K), BareReals(N.bits).element
     found = simple_roots(numbers, [numbers.real(convert(K, c)) for c in a]) if len(a) > 1 else []
     least = least_part(N, [*found, *known])
-    real = sorted([*known, *(N.coerce(x.real) for x in found if abs(x.imag) <= least)])
-    return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
+    near = sorted(N.coerce(x.real) for x in found if abs(x.imag) <= least)
+    real, pairs = [*known], [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
+    while near:
+        x = near.pop()
+        nearly_double = near and x - near[-1] <= least and double_root(N, a, (x + near[-1]) / 2)
+        if nearly_double:
+            near.pop()
+            middle, square = nearly_double
+            part = N.sqrt(abs(square))
+            real, pairs = (
+                ([*real, middle - part, middle + part], pairs) if square >= 0 else (real, [*pairs, (middle, part)])
+            )
+        else:
+            real.append(x)
+    return sorted(real), pairs
+
+
+def double_root(N: LongField, a: poly.Poly, x: Real) -> tuple[Real, Real] | None:
+    """(c, s) for the two roots c ± √s of a polynomial that nearly meet at x; s = 0 if they meet to the digits of N.
+
+    c is a root of the derivative, and so has all digits. None if three roots nearly meet.
+    """
+    slope = poly.derivative(N, a)
+    bend = poly.derivative(N, slope)
+    for _ in range(N.bits.bit_length()):
+        curvature = poly.evaluate(N, bend, x)
+        if abs(curvature) <= N.root_of_eps * poly.size_at(bend, x):
+            return None
+        x = x - poly.evaluate(N, slope, x) / curvature
+    value = poly.evaluate(N, a, x)
+    rounded = abs(value) <= N.doubled(N.eps, ROUNDED_BITS) * poly.size_at(a, x)
+    return x, N.zero if rounded else -2 * value / curvature
 
 
 def least_part(N: LongField, roots: Sequence[Real]) -> float:

@@ -31,7 +31,7 @@ from integrable.portrait.ovals import Level
 from integrable.portrait.pictures import section_figure
 from jacobian import RR
 from jacobian.element import Real
-from jacobian.errors import one_of, whole
+from jacobian.errors import NotRepresentable, one_of, whole
 from jacobian.immutable import Record
 from jacobian.notebook import table
 
@@ -148,6 +148,8 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
     one crossing to the next.
     """
     oval, half = end_of_oval(oval, end, len(torus.ovals))
+    if not torus.moves(torus.ovals[oval]):
+        raise NotRepresentable(f"section: the point in oval {oval} of this motion rests, and passes no end")
     motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
     tau, theta, rotation = turned(count, oval, half, motion, (torus.in_floats, rates))
     times = np.array([torus.slowness * t for t in tau], dtype=float)

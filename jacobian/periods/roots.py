@@ -55,12 +55,16 @@ def _circle(coefficients: Sequence[Any]) -> list[complex]:
 
 
 def _aberth(a: Sequence[Any], x: list[Any], tolerance: Any) -> list[Any]:
-    slope = [i * c for i, c in enumerate(a)][1:]
-    x = list(x)
+    slope, sizes = [i * c for i, c in enumerate(a)][1:], [abs(c) for c in a]
+    x, moving = list(x), set(range(len(x)))
     for _ in range(500):
         change = 0
-        for i, z in enumerate(x):
+        for i in sorted(moving):
+            z = x[i]
             value, derivative = horner(a, z), horner(slope, z)
+            # a value that is rounding allows one last step: at a multiple root further steps are as long as this one
+            if abs(value) <= tolerance * 8 * horner(sizes, abs(z)):
+                moving.discard(i)
             if not value:
                 continue
             crowd = sum(1 / (z - other) for j, other in enumerate(x) if j != i and other != z)
