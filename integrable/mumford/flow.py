@@ -314,7 +314,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
             return 0
         with LongField(MOST_BITS) as N:
             f = self.system._spectral(N, self._inner(N))[0]
-            found = [double_root(N, f, N.coerce(x)) for x in points]
+            found = [double_root(N, f, N.coerce(x), N.coerce(size)) for x in points]
             narrow = [N.exponent(x[1] / (size * size)) for x in found if x and x[1]]
             return max([ceil(-e / log2(10)) for e in narrow if e is not None], default=0)
 

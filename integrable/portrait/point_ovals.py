@@ -135,25 +135,22 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> 
     least = least_part(N, [*found, *known])
     near = sorted(N.coerce(x.real) for x in found if abs(x.imag) <= least)
     real, pairs = [*known], [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
+    size = max(map(abs, [*near, *known]), default=N.zero)
     while near:
         x = near.pop()
-        nearly_double = near and x - near[-1] <= least and double_root(N, a, (x + near[-1]) / 2)
-        if nearly_double:
+        double = double_root(N, a, (x + near[-1]) / 2, size) if near and x - near[-1] <= least else None
+        if double is not None:
             near.pop()
-            middle, square = nearly_double
-            part = N.sqrt(abs(square))
-            real, pairs = (
-                ([*real, middle - part, middle + part], pairs) if square >= 0 else (real, [*pairs, (middle, part)])
-            )
-        else:
-            real.append(x)
+            middle, part = double[0], N.sqrt(max(double[1], N.zero))
+        real += [x] if double is None else [middle - part, middle + part]
     return sorted(real), pairs
 
 
-def double_root(N: LongField, a: poly.Poly, x: Real) -> tuple[Real, Real] | None:
+def double_root(N: LongField, a: poly.Poly, x: Real, size: Real) -> tuple[Real, Real] | None:
     """(c, s) for the two roots c ± √s of a polynomial that nearly meet at x; s = 0 if they meet to the digits of N.
 
-    c is a root of the derivative, and so has all digits. None if three roots nearly meet.
+    c is a root of the derivative, and so has all digits. The largest root is of the given ``size``. None if three
+    roots nearly meet.
     """
     slope = poly.derivative(N, a)
     bend = poly.derivative(N, slope)
@@ -163,7 +160,8 @@ def double_root(N: LongField, a: poly.Poly, x: Real) -> tuple[Real, Real] | None
             return None
         x = x - poly.evaluate(N, slope, x) / curvature
     value = poly.evaluate(N, a, x)
-    rounded = abs(value) <= N.doubled(N.eps, ROUNDED_BITS) * poly.size_at(a, x)
+    # the errors of the coefficients are those of products of all roots
+    rounded = abs(value) <= N.doubled(N.eps, ROUNDED_BITS) * poly.size_at(a, size)
     return x, N.zero if rounded else -2 * value / curvature
 
 
