@@ -53,7 +53,7 @@ class DeformedFlow(HamiltonianMotion):
         if not self._is_ordinary():
             if system.potential is not None:
                 # this raises NotRepresentable where the potential is infinite
-                system.integrals(state)
+                system._pair_at(state)
             # the curves are made here, so that errors are raised at once
             _ = self._many
 

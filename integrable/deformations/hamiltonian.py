@@ -10,6 +10,7 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
 from integrable.deformations.scalars import Potential, RateTerms, Scalars, dot, product
@@ -123,9 +124,14 @@ class Hamiltonian(Made):
         return self.rigid.poisson(self._checked(state))
 
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
-        """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
+        """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there), or if H or K is
+        beyond the range of floats.
+        """
         K, (gamma, M) = self.field, self._checked(state).vectors
-        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self._pair_at(state))
+        pair = self._pair_at(state)
+        if K == RR and not all(map(isfinite, pair)):
+            raise NotRepresentable(f"M = {shown(M)}: H and K are beyond the range of floats; use MP(digits)")
+        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *pair)
 
     def _pair_at(self, state: State) -> tuple[Any, Any]:
         """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
