@@ -71,7 +71,10 @@ class DeformedFlow(HamiltonianMotion):
         if system.field != RR or len({*system.body.inertia}) < 3 or min(system.body.contact) < ORDINARY:
             return False
         H, product = map(abs, system.eigenvalue_sums(*system._pair_at(self.state)))
-        large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
+        try:
+            large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
+        except OverflowError:
+            return False
         return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 
     def _terms(self) -> float:

@@ -30,7 +30,10 @@ if TYPE_CHECKING:
 
 
 class _Finite:
-    """A context that turns a Hamiltonian's division by 0, where γ_i, s or 1 − ds vanishes, into NotRepresentable."""
+    """A context that turns a Hamiltonian's division by 0, where γ_i, s or 1 − ds vanishes, into NotRepresentable.
+
+    Over RR and MP(digits) a small s or 1 − ds may vanish by rounding.
+    """
 
     def __enter__(self) -> None:
         pass
@@ -183,7 +186,8 @@ class Hamiltonian(Made):
     def _rates(self, state: State) -> State:
         wrap = self._constants()
         q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
-        rate, momentum = self.rates_at(q)
+        with _Finite():
+            rate, momentum = self.rates_at(q)
         if self.potential is not None:
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]

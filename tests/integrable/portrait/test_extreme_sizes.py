@@ -7,7 +7,7 @@ import pytest
 
 from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde
 from jacobian import MP, RR
-from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.errors import FieldError, NotRepresentable, PrecisionLoss
 
 K = MP(30)
 GAMMA, M = ("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")
@@ -60,3 +60,17 @@ def test_integrals_of_pairs_beyond_floats(name) -> None:
         with pytest.raises(NotRepresentable, match=r"M = \(.*H and K are beyond the range of floats"):
             system.integrals(system.state([*map(float, GAMMA)], [size * float(x) for x in M]))
     assert np.isfinite(system.integrals(system.state([*map(float, GAMMA)], [1e60 * float(x) for x in M]))).all()
+
+
+def test_moments_at_the_ends_of_floats() -> None:
+    """1 − ds vanishes by rounding; a power of a_i overflows; products of the a_i underflow."""
+    gamma, M = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
+    system = Tilde((1e-100, 2e-100, 3e-100), 1e99)
+    with pytest.raises(NotRepresentable, match="divides by"):
+        system.motion_through(system.state(gamma, M)).at([1e-100])
+    system = Hat((1e-300, 2e-300, 3e-300))
+    with pytest.raises(FieldError, match=r"e\+599.* is not finite"):
+        _ = system.flow(system.state(gamma, M)).portrait
+    system = Hat((1e160, 2e160, 3e160))
+    with pytest.raises(NotRepresentable, match="divides by"):
+        system.linearized(system.state(gamma, M))
