@@ -210,7 +210,9 @@ class _March:
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
             size = self._size(speed)
             if not 0 < size < inf:
-                raise PrecisionLoss(f"|M| = {self._momentum}: bounds of this motion are beyond the range of floats")
+                raise PrecisionLoss(
+                    f"|M| = {written(float(self._momentum))}: bounds of this motion are beyond the range of floats"
+                )
             sizes = [*[1.0] * 3, *[size] * 3, 1.0]
             # τ is excluded: no rate depends on it, and its own rate has another unit
             rate = max(x / size for x, size in zip(speed[:6], sizes, strict=False)) or 1.0

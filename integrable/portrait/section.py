@@ -150,7 +150,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
     """
     oval, half = end_of_oval(oval, end, len(torus.ovals))
     if not torus.moves(torus.ovals[oval]):
-        raise NotRepresentable(f"section: the point in oval {oval} of this motion rests, and passes no end")
+        raise NotRepresentable(f"section: the point in oval {written(oval)} of this motion rests, and passes no end")
     motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
     tau, theta, rotation = turned(count, oval, half, motion, (torus.in_floats, rates))
     times = np.array([torus.slowness * t for t in tau], dtype=float)
