@@ -31,9 +31,10 @@ class Progress:
         with self._lock:
             self._done += work
             now, (before, parts) = perf_counter(), self.part
-            if now < self._next:
-                return
             done = self._done / self.work
+            # the quotient may underflow
+            if now < self._next or not done:
+                return
             left = (now - self._begun) / done * (parts - before - done)
             long = left >= LONG or now - self._begun >= LONG
             level = logging.WARNING if long and not self._warned else logging.INFO

@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+import numpy as np
+
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.oval import Pace, height
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
@@ -31,8 +33,6 @@ if TYPE_CHECKING:
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
-SPARE_BITS = 16
-"""A point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -159,8 +159,8 @@ class CurvesCarrier(Carrier):
         raise NotImplementedError
 
     def moves(self, curve: EllipticOval) -> bool:
-        """Whether the point of a curve moves. If it rests, the ends of its oval are known to half of the digits."""
-        return bool(curve.swing > self.field.doubled(self.field.root_of_eps, SPARE_BITS) * curve.breadth)
+        """Whether the point of a curve moves."""
+        return True
 
 
 class OnCurves(ManyDigits):
@@ -182,6 +182,15 @@ class OnCurves(ManyDigits):
                 return compute(carrier, scaled)
 
         return super().settled(times, inside)
+
+    def at_phases(self, phases: np.ndarray) -> np.ndarray:
+        """γ and M, in floats, at phases of both curves in turns since the start, (N, 2): shape (N, 6)."""
+        curves, moved = self.carrier.curves, self.carrier.moved
+        with self.carrier.field:
+            points = [
+                moved([x * curve.period for x, curve in zip(row, curves, strict=True)]) for row in phases.tolist()
+            ]
+        return np.array(points, dtype=float).reshape(-1, 6)
 
     def carrier_of(self, digits: int) -> CurvesCarrier:
         """The motion with ``digits`` digits, or more if its point at τ = 0 does not reproduce the state."""

@@ -57,7 +57,7 @@ class DeformedFlow(HamiltonianMotion):
         if not self._is_ordinary():
             if system.potential is not None:
                 # this raises NotRepresentable where the potential is infinite
-                system.integrals(state)
+                system._pair_at(state)
             # the curves are made here, so that errors are raised at once
             _ = self._many
 
@@ -75,7 +75,10 @@ class DeformedFlow(HamiltonianMotion):
         if system.field is not RR or len({*system.body.inertia}) < 3 or min(system.body.contact) < ORDINARY:
             return False
         H, product = map(abs, system.eigenvalue_sums(*system._pair_at(self.state)))
-        large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
+        try:
+            large, size = (H + (H * H + 4 * product) ** 0.5) / 2, self._terms()
+        except OverflowError:
+            return False
         return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 
     def _terms(self) -> float:

@@ -10,7 +10,7 @@ motion loses in this time. (Moore 1966, *Interval Analysis*; Tucker 2011, *Valid
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, log
+from math import ceil, inf, log
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.hamiltonian import Hamiltonian
@@ -208,7 +208,12 @@ class _March:
         """(radius, reach): for complex times up to ``radius`` the motion exists and moves by at most ``reach``."""
         with self.reals.at(BOUND_BITS):
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
-            sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]
+            size = self._size(speed)
+            if not 0 < size < inf:
+                raise PrecisionLoss(
+                    f"|M| = {written(float(self._momentum))}: bounds of this motion are beyond the range of floats"
+                )
+            sizes = [*[1.0] * 3, *[size] * 3, 1.0]
             # τ is excluded: no rate depends on it, and its own rate has another unit
             rate = max(x / size for x, size in zip(speed[:6], sizes, strict=False)) or 1.0
             radius = radius or 1 / rate

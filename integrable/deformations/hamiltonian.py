@@ -10,6 +10,7 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Self
 
 from integrable.deformations.scalars import Potential, RateTerms, Scalars, dot, product
@@ -29,7 +30,10 @@ if TYPE_CHECKING:
 
 
 class _Finite:
-    """A context that turns a Hamiltonian's division by 0, where γ_i, s or 1 − ds vanishes, into NotRepresentable."""
+    """A context that turns a Hamiltonian's division by 0, where γ_i, s or 1 − ds vanishes, into NotRepresentable.
+
+    Over RR and MP(digits) a small s or 1 − ds may vanish by rounding.
+    """
 
     def __enter__(self) -> None:
         pass
@@ -123,9 +127,14 @@ class Hamiltonian(Made):
         return self.rigid.poisson(self._checked(state))
 
     def integrals(self, state: State[Element]) -> DeformedIntegrals[Element]:
-        """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there)."""
+        """C1, C2, H and K; NotRepresentable if the potential is infinite (γ_i = 0 with a pole there), or if H or K is
+        beyond the range of floats.
+        """
         K, (gamma, M) = self.field, self._checked(state).vectors
-        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self._pair_at(state))
+        pair = self._pair_at(state)
+        if K is RR and not all(map(isfinite, pair)):
+            raise NotRepresentable(f"M = {shown(M)}: H and K are beyond the range of floats; use MP(digits)")
+        return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *pair)
 
     def _pair_at(self, state: State) -> tuple[Any, Any]:
         """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
@@ -177,7 +186,8 @@ class Hamiltonian(Made):
     def _rates(self, state: State) -> State:
         wrap = self._constants()
         q = self.scalars(wrap, *(map(wrap, v) for v in state.vectors))
-        rate, momentum = self.rates_at(q)
+        with _Finite():
+            rate, momentum = self.rates_at(q)
         if self.potential is not None:
             slope = [wrap(x) for x in self._slope(state)]
             momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]

@@ -33,8 +33,12 @@ from jacobian import RR, poly
 from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable, PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 
 __all__ = ["PoleFlow"]
+
+# a point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps
+SPARE_BITS = 16
 
 
 class PoleFrame(NamedTuple):
@@ -76,6 +80,10 @@ class CubicCarrier(CurvesCarrier):
         x, y, z = (K.one if g > 0 else -K.one for g in state.vectors[0])
         self.frame = PoleFrame((one, two), (x, y, z))
         self.shown = self.moved((K.zero, K.zero))
+
+    def moves(self, curve: EllipticOval) -> bool:
+        # if the point rests, the ends of its oval are known to half of the digits
+        return bool(curve.swing > self.field.doubled(self.field.root_of_eps, SPARE_BITS) * curve.breadth)
 
     @staticmethod
     def read(N: FormulaField, system: Any, frame: Any, first: CurvePoint, second: CurvePoint) -> GammaM:
@@ -174,7 +182,7 @@ class PoleFlow(DeformedFlow):
             raise NotRepresentable(f"spectrum: it is computed in floats, this flow is over {system.field.name}")
 
         def read(phases: np.ndarray) -> dict[str, np.ndarray]:
-            rows = self._compiled.at_phases(phases)
+            rows = self._many.at_phases(phases) if interpreted() else self._compiled.at_phases(phases)
             if rows is None:
                 raise PrecisionLoss("spectrum: floats have too few digits for this motion, next to a separatrix")
             gamma, M = rows[:, :3], rows[:, 3:]

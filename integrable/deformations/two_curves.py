@@ -10,7 +10,6 @@ solved; the inverse needs square roots of w_i² and of g². (Tsiganov's separati
 from __future__ import annotations
 
 from collections.abc import Sequence
-from operator import index
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.deformations.hamiltonian import Hamiltonian
@@ -25,7 +24,7 @@ from integrable.phase.state import State
 from integrable.steps.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
 from jacobian.element import Arithmetic, Real, Value
-from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, shown, written
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, entries, shown, written
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.relatives.signed import Pair
 
@@ -222,13 +221,16 @@ class CurveTranslation(Step):
         self, system: Hamiltonian, points: Abscissas, sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> None:
         self.system = system
-        given = list(points) if isinstance(points, (list, tuple)) else []
-        if len(given) != 2 or given == [None, None]:
-            raise ArgumentError(
-                f"points = {shown(points)}: give two abscissas, one for each curve, None for no addition"
-            )
+        wanted = "two abscissas, one for each curve, None for no addition"
+        given = entries(points, "points", wanted)
+        if len(given) != 2 or all(x is None for x in given):
+            raise ArgumentError(f"points = {shown(points)}: give {wanted}")
         K = system.field
         self.points = tuple(None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given))
+        if system.body.rolls and K.inv(system.d) in self.points:
+            raise ArgumentError(
+                f"points = {shown(points)}: 1/d is the point at infinity, which adds nothing; give None for it"
+            )
         self.sheets = checked_signs(sheets, 2, "sheets")
         self.multiple = checked_multiple(multiple)
 
@@ -236,7 +238,7 @@ class CurveTranslation(Step):
         return f"<addition of {self.multiple}·{self.points} on the curves of {self.system!r}>"
 
     def __mul__(self, m: int) -> CurveTranslation:
-        return CurveTranslation(self.system, self.points, self.sheets, self.multiple * index(m))
+        return CurveTranslation(self.system, self.points, self.sheets, self.multiple * checked_multiple(m))
 
     __rmul__ = __mul__
 
@@ -270,12 +272,7 @@ class CurveTranslation(Step):
         return D + self.multiple * jacobian.from_points([(z, y if self.sheets[k] > 0 else K.neg(y))])
 
     def _height(self, K: Arithmetic, mu: Real, x: Real) -> Real:
-        below = K.sub(K.one, K.mul(K.coerce(curves_of(self.system).d), x))
-        if below == K.zero:
-            raise ArgumentError(
-                f"points: x = {written(x)} = 1/d is the point at infinity, which adds nothing; give None"
-            )
-        return K.div(K.mul(mu, x), below)
+        return K.div(K.mul(mu, x), K.sub(K.one, K.mul(K.coerce(curves_of(self.system).d), x)))
 
     def _time(self, k: int, curve: EllipticOval, mu: Real) -> Real:
         """The time, in long numbers, for which motion along curve k is the addition of ``multiple`` times its point.

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from math import ceil, log2
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Self
 
 import numpy as np
 
 from integrable.mumford.columns import Column, Columns
-from integrable.mumford.motion import BITS_OF_TORUS, MumfordMotion, Start, Vectors, settled_digits
+from integrable.mumford.motion import BITS_OF_TORUS, MOST_BITS, MumfordMotion, Start, Vectors, settled_digits
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
@@ -295,8 +296,24 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     def _settled_on_torus(self, read: Callable[[SeparatedTorus], Vectors]) -> list[list[Real]]:
         """The result of ``read`` for the torus of the motion, to the digits of the field."""
-        found = settled_digits(lambda N: read(self._separated(N)), self.digits)
+        found = settled_digits(lambda N: read(self._separated(N)), self.digits + self._digits_of_ovals)
         return [[element(self.system.field, x) for x in row] for row in found]
+
+    @cached_property
+    def _digits_of_ovals(self) -> int:
+        """The number of digits that tell the narrowest oval from a point; 0 if all ovals are points or wide."""
+        from integrable.portrait.point_ovals import double_root
+
+        with LongField(BITS_OF_TORUS) as N:
+            torus = self._separated(N)
+            points, size = [oval.middle for oval in torus.ovals if not oval.radius], torus.size
+        if not points:
+            return 0
+        with LongField(MOST_BITS) as N:
+            f = self.system._spectral(N, self._inner(N))[0]
+            found = [double_root(N, f, N.coerce(x), N.coerce(size)) for x in points]
+            narrow = [N.exponent(x[1] / (size * size)) for x in found if x and x[1]]
+            return max([ceil(-e / log2(10)) for e in narrow if e is not None], default=0)
 
     def _separated(self, N: LongField) -> SeparatedTorus:
         from integrable.portrait.separated import SeparatedTorus

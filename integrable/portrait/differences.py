@@ -6,7 +6,7 @@ These derivatives are used over MP(digits), and in floats for motions without a 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import ceil, log10
+from math import ceil, inf, log10
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +47,9 @@ def differences(motion: FlowMap, inputs: Inputs, digits: int, size: float) -> np
     derivative, in units of ``inputs.sizes``. PrecisionLoss where the derivatives are much larger than expected.
     """
     sizes = [float(size) for size in inputs.sizes if size]
-    spread = ceil(log10(max(sizes) / min(sizes)))
+    if not (0 < min(sizes) <= max(sizes) < inf and size < inf):
+        raise PrecisionLoss("sensitivity: the sizes of the inputs or of the derivatives are beyond those of floats")
+    spread = ceil(log10(max(sizes)) - log10(min(sizes)))
     for _ in range(ATTEMPTS):
         large = max(0, ceil(log10(size)))
         step = digits // 2 + 1 + large

@@ -18,6 +18,8 @@ from jacobian.periods.roots import all_roots, horner
 ROUNDED = 64
 # a root counts as real if its imaginary part is below 2^(−bits/REAL): a double root is known to half of the digits only
 REAL = 3
+# a value of a polynomial below 2^ROUNDED_BITS rounding units of its terms may be rounding
+ROUNDED_BITS = 12
 DIGITS_A_BIT = math.log10(2)
 
 
@@ -131,8 +133,36 @@ def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> 
 
     found = all_roots(a, gmpy2.mpc, ROUNDED * N.eps) if len(a) > 1 else []
     least = least_part(N, [*found, *known])
-    real = sorted([*known, *(N.coerce(x.real) for x in found if abs(x.imag) <= least)])
-    return real, [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
+    near = sorted(N.coerce(x.real) for x in found if abs(x.imag) <= least)
+    real, pairs = [*known], [(N.coerce(x.real), N.coerce(x.imag)) for x in found if x.imag > least]
+    size = max(map(abs, [*near, *known]), default=N.zero)
+    while near:
+        x = near.pop()
+        double = double_root(N, a, (x + near[-1]) / 2, size) if near and x - near[-1] <= least else None
+        if double is not None:
+            near.pop()
+            middle, part = double[0], N.sqrt(max(double[1], N.zero))
+        real += [x] if double is None else [middle - part, middle + part]
+    return sorted(real), pairs
+
+
+def double_root(N: LongField, a: poly.Poly, x: Real, size: Real) -> tuple[Real, Real] | None:
+    """(c, s) for the two roots c ± √s of a polynomial that nearly meet at x; s = 0 if they meet to the digits of N.
+
+    c is a root of the derivative, and so has all digits. The largest root is of the given ``size``. None if three
+    roots nearly meet.
+    """
+    slope = poly.derivative(N, a)
+    bend = poly.derivative(N, slope)
+    for _ in range(N.bits.bit_length()):
+        curvature = poly.evaluate(N, bend, x)
+        if abs(curvature) <= N.root_of_eps * poly.size_at(bend, x):
+            return None
+        x = x - poly.evaluate(N, slope, x) / curvature
+    value = poly.evaluate(N, a, x)
+    # the errors of the coefficients are those of products of all roots
+    rounded = abs(value) <= N.doubled(N.eps, ROUNDED_BITS) * poly.size_at(a, size)
+    return x, N.zero if rounded else -2 * value / curvature
 
 
 def least_part(N: LongField, roots: Sequence[Real]) -> float:
@@ -146,10 +176,11 @@ def oval_around(lead: Real, roots: Roots, x: Real) -> PointOval:
     last = len(real) - 1
     # f > 0 between every second pair of neighbouring real roots
     first = (last - (0 if lead > 0 else 1)) % 2
-    places = range(first, last, 2)
-    if not places:
+    # the ranges beyond the least and the largest root have the numbers −1 and ``last``
+    ends = [-math.inf, *real, math.inf]
+    k = min(range(-first, last + 1, 2), key=lambda k: max(ends[k + 1] - x, x - ends[k + 2], 0), default=-1)
+    if not 0 <= k < last:
         raise NotRepresentable("a point of this motion is in no bounded oval: the motion is unbounded")
-    k = min(places, key=lambda k: max(real[k] - x, x - real[k + 1], 0))
     below, above = real[k], real[k + 1]
     others: list[tuple[Real, Real | None]] = [(e, None) for e in (*real[:k], *real[k + 2 :])]
     others += [(e, s * s) for e, s in pairs]

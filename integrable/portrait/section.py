@@ -31,7 +31,7 @@ from integrable.portrait.ovals import Level
 from integrable.portrait.pictures import section_figure
 from jacobian import RR
 from jacobian.element import Real
-from jacobian.errors import one_of, whole
+from jacobian.errors import NotRepresentable, one_of, whole, written
 from jacobian.immutable import Record
 from jacobian.notebook import table
 
@@ -87,7 +87,8 @@ class BodySection(Section):
 
     def __init__(self, run: Any, theta: np.ndarray, rotation: Real, axes: tuple[int, int, int]) -> None:
         self.axis, j, k = axes
-        gamma, M = (x.astype(float) for x in tilde(run.flow, run))
+        # the squares of a small or a large |M| may be beyond the range of floats
+        gamma, M = ((x / abs(x).max()).astype(float) for x in tilde(run.flow, run))
         self.phi = np.arctan2(gamma[:, k], gamma[:, j])
         self.momentum: np.ndarray = M[:, self.axis] / np.sqrt(np.sum(M**2, axis=1))
         super().__init__(run, theta, rotation)
@@ -148,6 +149,8 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
     one crossing to the next.
     """
     oval, half = end_of_oval(oval, end, len(torus.ovals))
+    if not torus.moves(torus.ovals[oval]):
+        raise NotRepresentable(f"section: the point in oval {written(oval)} of this motion rests, and passes no end")
     motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
     tau, theta, rotation = turned(count, oval, half, motion, (torus.in_floats, rates))
     times = np.array([torus.slowness * t for t in tau], dtype=float)
@@ -163,6 +166,8 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
     """
     oval = AXES.index(one_of(axis, "axis", AXES, 'choose "largest" or "least" (moment)'))
     portrait, K = flow.portrait, flow.system.field
+    if not 0 < float(portrait.level.momentum) < math.inf:
+        raise NotRepresentable(f"section: |M| = {written(portrait.level.momentum)} is beyond the range of floats")
     motion, sums = (portrait.wide_tau_frequencies, portrait.wide_angles("section")), sums_over_ovals(portrait.level)
     tau, theta, rotation = turned(count, oval, 0.0, motion, (sums, np.array([1.0, 0.0])))
     axes = portrait.level.axes[::-1] if oval else portrait.level.axes

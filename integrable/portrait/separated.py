@@ -69,6 +69,7 @@ class SeparatedTorus:
             raise NotRepresentable("two points of this motion share an oval: it has no separate turns")
         self.start = [angle_in(N, oval, x, poly.evaluate(N, v, x)) for oval, x in zip(self.ovals, points, strict=True)]
         self._known: list[Real] = curve[0]
+        self.size: Real = max(map(abs, curve[0]))
         self._close = least_part(N, curve[0])
         self._pi = N.coerce(MP(DIGITS_BEYOND + math.ceil(N.bits * DIGITS_A_BIT)).context.pi)
 
@@ -188,7 +189,7 @@ class SeparatedTorus:
 
     def moves(self, oval: PointOval) -> bool:
         """Whether the point of an oval moves: the radius of the oval is larger than rounding errors."""
-        return bool(oval.radius > self._field.doubled(self._field.eps, SPARE_BITS) * max(map(abs, self._known)))
+        return bool(oval.radius > self._field.doubled(self._field.eps, SPARE_BITS) * self.size)
 
     def place_of(self, e: Real) -> int:
         """The index of a branch point among the real branch points in ascending order."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from integrable.phase.enclosure import ball_digits
 from integrable.phase.ways import times_in
+from jacobian.errors import PrecisionLoss
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -185,5 +186,7 @@ class StateFlow(Generic[AnyRun]):
 
 
 def largest_rate(matrices: Sequence[np.ndarray]) -> float:
-    """The largest modulus of the eigenvalues of all matrices."""
+    """The largest modulus of the eigenvalues of all matrices. PrecisionLoss if they are beyond the range of floats."""
+    if not np.isfinite(matrices).all():
+        raise PrecisionLoss("the rates of this motion are beyond the range of floats; use other units")
     return float(np.abs(np.linalg.eigvals(matrices)).max())

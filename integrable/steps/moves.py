@@ -19,7 +19,7 @@ from integrable.steps.guard_digits import LARGEST, body_condition, on_principal_
 from integrable.steps.step import Abscissa, Step, check_doublings, checked_signs
 from jacobian import Divisor, Jacobian, poly
 from jacobian.element import Element
-from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, written
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, one_of, whole, written
 from jacobian.fields.inexact import InexactField
 from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
 
@@ -70,8 +70,8 @@ class Multiplication(Move):
     """The map D ↦ [ℓ]D, ℓ times the state's own divisor. It multiplies the bracket by ℓ.
 
     For odd ℓ the image lies over the same field. An even ℓ needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k).
-    Their product is −1 times a square if the 1 − d·a_i are squares, so over the reals there is no image (NotASquare);
-    instead multiply :meth:`System.divisor`.
+    Their product is −1 times a square if the 1 − d·a_i are squares, so over the reals it is refused (NotASquare);
+    instead multiply :meth:`System.divisor`. NotRepresentable if moments are equal.
     """
 
     def __init__(self, system: PhaseSpace, factor: int) -> None:
@@ -79,6 +79,15 @@ class Multiplication(Move):
         if self.factor == 0:
             raise ArgumentError("factor = 0: the zero divisor belongs to no state")
         check_doublings(system.field, self.factor, "factor")
+        if system.field.zero in coordinates.kappas(system.body):
+            raise NotRepresentable(
+                f"factor = {written(self.factor)}: two moments of inertia are equal, and a divisor does not determine γ"
+            )
+        if self.factor % 2 == 0 and isinstance(system.field, InexactField):
+            raise NotASquare(
+                f"factor = {written(self.factor)}: κ of the middle axis is negative, so over {system.field.name} an "
+                "even factor gives no image; multiply system.divisor(state)"
+            )
         self.system = system
 
     def _condition(self, state: State) -> float:
@@ -98,15 +107,11 @@ class Multiplication(Move):
         return f"<multiplication by {self.factor} on {self.system!r}>"
 
     def _image(self, state: State) -> State:
-        """The image of an upright state. NotASquare if the image is not over the field; NotRepresentable for equal
-        moments or an image divisor of fewer than two points.
+        """The image of an upright state. NotASquare if the image is not over the field; NotRepresentable for an image
+        divisor of fewer than two points.
         """
         system, body, K = self.system, self.system.body, self.system.field
-        kappas = coordinates.kappas(body)
-        if K.zero in kappas:
-            raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # over the reals an even factor is refused here: κ of the middle axis is negative
-        even = self.factor % 2 == 0
+        kappas, even = coordinates.kappas(body), self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)
         u, v = coordinates.to_mumford(body, pairs)

@@ -63,6 +63,10 @@ class Translation(Move):
         check_doublings(system.field, self.multiple, "multiple")
         K: Any = system.field
         self._rounding: Any = None if K.exact else K.eps
+        twice = len(self.points) == 2 and self.points[0] == self.points[1]
+        branch = system.body.rolls and self.points[0] == K.inv(system.d)
+        if twice and (branch or self.sheets[0] != self.sheets[1]):
+            raise self._cancelling(*self.points)
 
     def __repr__(self) -> str:
         points = ", ".join(map(str, self.points))
@@ -209,8 +213,8 @@ class Translation(Move):
         except NotASquare:
             raise NotASquare(
                 f"points = ({', '.join(map(written, self.points))}): the image of a state is not over "
-                f"{group.field.name}, because a root √U'(a_i) is not; over the reals take both points on one oval, "
-                "both beyond 1/d, or a conjugate pair; or an even multiple"
+                f"{group.field.name}, because a root √U'(a_i) is not; over the reals take two points on one oval, "
+                "one or two beyond 1/d, or a conjugate pair; or an even multiple"
             ) from None
 
     def _mumford(self, group: SignedGroup, h1: Real, h2: Real) -> tuple[poly.Poly, poly.Poly]:
@@ -227,12 +231,16 @@ class Translation(Move):
         x1, x2 = x
         if x1 == x2:
             if y[0] != y[1] or y[0] == K.zero:
-                raise ArgumentError(f"points = ({x1}, {x2}): a point and its opposite add up to zero")
+                raise self._cancelling(x1, x2)
             slope = K.div(poly.evaluate(K, poly.derivative(K, f), x1), K.add(y[0], y[0]))
             u, v = poly.from_roots(K, x), (K.sub(y[0], K.mul(slope, x1)), slope)
         else:
             u, v = poly.through(K, list(zip(x, y, strict=True)))
         return u, poly.trim(K, v) if K.exact else v
+
+    @staticmethod
+    def _cancelling(first: Any, second: Any) -> ArgumentError:
+        return ArgumentError(f"points = ({written(first)}, {written(second)}): a point and its opposite add up to zero")
 
     def _is_branch(self, x: Any, h1: Real, h2: Real) -> bool:
         """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (up to rounding over an inexact field)."""
@@ -290,10 +298,11 @@ def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...
     complex_ones = [x for x in given if isinstance(x, complex) or hasattr(x, "_mpc_")]
     if not complex_ones:
         return tuple(x if callable(x) else K.coerce(x, f"points[{i}]") for i, x in enumerate(given))
-    if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not given[0].imag:
+    if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not 0 < abs(given[0].imag) < inf:
         raise ArgumentError(
             f"points = {shown(points)}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP"
         )
+    K.coerce(given[0].real, "points[0].real")
     return tuple(given)
 
 

@@ -46,8 +46,8 @@ class System(PhaseSpace[Element]):
         Abscissas are numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`, which
         also defines ``sheets``, the signs ±, and ``signs``.
 
-        The image is real for two points on one oval, two points beyond 1/d, a complex-conjugate pair, the branch point
-        1/d, or an even multiple of any points.
+        The image is real for two points on one oval, one or two points beyond 1/d, a complex-conjugate pair, the branch
+        point 1/d, or an even multiple of any points.
         """
         from integrable.steps.translation import Translation
 

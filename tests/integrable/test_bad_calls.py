@@ -7,7 +7,7 @@ from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, ensemble, loa
 from integrable.phase.brackets import image_brackets
 from integrable.scene.orbit import orbit
 from jacobian import CC, GF, QQ, ArgumentError, FieldError
-from jacobian.errors import Infeasible, NotASquare
+from jacobian.errors import Infeasible, NotASquare, NotRepresentable
 from tests.messages import Raising, assert_says
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -16,7 +16,7 @@ STATE = BALL.state(*START)
 FLOW = BALL.flow(STATE)
 TILDE = Tilde((1, 2, 4))
 TOP = EulerTop((1, 2, 3))
-NAN = float("nan")
+NAN, INFINITE = float("nan"), float("inf")
 PAIR = np.arange(2)
 
 NONE = Raising()
@@ -92,6 +92,50 @@ CASES = {
     ),
     "counts that raise": (lambda: FLOW.residual_growth(NONE), ArgumentError, "counts = <raising>: ", "ints ≥ 0"),
     "a factor that raises": (lambda: BALL.multiplication(NONE), ArgumentError, "factor = <raising>: ", "an int"),
+    "an even factor over the reals": (lambda: TOP.multiplication(-4), NotASquare, "factor = -4: ", "even factor"),
+    "a factor at equal moments": (
+        lambda: EulerTop((1, 1, 2)).multiplication(3),
+        NotRepresentable,
+        "factor = 3: ",
+        "moments of inertia are equal",
+    ),
+    "a point and its opposite": (
+        lambda: BALL.translation([1.8, 1.8], sheets=(1, -1)),
+        ArgumentError,
+        "points = (1.8, 1.8): ",
+        "add up to zero",
+    ),
+    "twice the branch point 1/d": (
+        lambda: BALL.translation([1 / 0.7, 1 / 0.7]),
+        ArgumentError,
+        "points = (1.42857",
+        "add up to zero",
+    ),
+    "an infinite pair": (
+        lambda: BALL.translation([complex(1, INFINITE), complex(1, -INFINITE)]),
+        ArgumentError,
+        "points = [(1+infj), (1-infj)]: ",
+        "a conjugate pair",
+    ),
+    "an infinite real part": (
+        lambda: BALL.translation([complex(INFINITE, 1), complex(INFINITE, -1)]),
+        FieldError,
+        "points[0].real = inf ",
+        "finite",
+    ),
+    "a fraction of a step on two curves": (
+        lambda: 1.5 * TILDE.translation((30, -30)),
+        ArgumentError,
+        "multiple = 1.5: ",
+        "an int",
+    ),
+    "1/d as a point of a curve": (
+        lambda: Tilde((1, 2, 4), 0.1).translation((10.0, None)),
+        ArgumentError,
+        "points = (10.0, None): ",
+        "give None",
+    ),
+    "no point on two curves": (lambda: TILDE.translation(7.0), ArgumentError, "points = 7.0: ", "two abscissas"),
     "a multiple that raises": (
         lambda: BALL.keyless() and BALL.torsion() * NONE,
         ArgumentError,

@@ -135,7 +135,7 @@ def test_equal_moments(kind, moments) -> None:
     for step in steps:
         image = step(state)
         assert max(abs(x - y) for x, y in zip(system.integrals(image), system.integrals(state), strict=True)) < 1e-12
-    for use in (system.multiplication(3), lambda x: system.from_divisor(system.divisor(x), like=x)):
+    for use in (lambda _: system.multiplication(3), lambda x: system.from_divisor(system.divisor(x), like=x)):
         with pytest.raises(NotRepresentable, match="equal"):
             use(state)
 

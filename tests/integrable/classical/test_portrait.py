@@ -10,6 +10,7 @@ import pytest
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.two_gaps import TwoGaps
 from integrable.mumford.flow import Point
 from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
@@ -179,3 +180,45 @@ def test_a_point_that_rests_has_the_frequency_of_small_oscillations(state) -> No
     assert min(near.angles) >= 0
     with pytest.raises(NotRepresentable, match=r"^angles: .* a point of the pair rests"):
         _ = found.angles
+
+
+def test_a_point_beyond_all_bounded_ovals_is_in_none_of_them() -> None:
+    """The gap becomes infinite within a time of order 1; no oval is its oval, though one is next to it."""
+    system = TwoGaps((0, -5, 0))
+    flow = system.flow(system.state((1, 2), (0.5, 0.3)))
+    for ask in (lambda: flow.portrait, lambda: flow.section(1), flow.spectrum):
+        with pytest.raises(NotRepresentable, match="unbounded"):
+            ask()
+
+
+@pytest.mark.parametrize("K", [RR, MP(30)], ids=["RR", "MP(30)"])
+def test_a_lattice_at_rest_has_frequencies_and_no_turns(K) -> None:
+    """At the first precision the double branch points are found with all digits: no precision has to be raised."""
+    n = 4
+    system = TodaLattice(n, K)
+    flow = system.flow(system.state([3] * n, [0] * n))
+    portrait = flow.portrait
+    waves = [2 * np.sin(np.pi * k / n) / (2 * np.pi) for k in (1, 2, 1)]
+    assert np.array(portrait.frequencies, dtype=float) == pytest.approx(waves, rel=1e-15)
+    assert portrait.actions[:3] == (0, 0, 0)
+    assert flow._digits_of_ovals == 0
+    with pytest.raises(NotRepresentable, match="rests"):
+        _ = portrait.angles
+    if K is RR:
+        with pytest.raises(NotRepresentable, match="the point in oval 1 of this motion rests"):
+            flow.section(2, 1)
+        found = flow.spectrum()
+        assert (len(found), found.q[0]) == (1, pytest.approx([3] * n, rel=1e-15))
+
+
+@pytest.mark.parametrize("size", ["1e-12", "1e-40", "1e-150"])
+def test_a_tiny_oscillation_is_no_rest(size) -> None:
+    """Two particles with q = ±½size, whose distance has the angular frequency 2 and the action ½size²."""
+    K = MP(30)
+    system = TodaLattice(2, K)
+    x = K.coerce(size)
+    flow = system.flow(system.state([x / 2, -x / 2], [0, 0]))
+    # the relative motion with r = q1 − q2 has the reduced mass ½ and the energy r²: ω = 2, J = r²/2
+    assert abs(flow.portrait.frequencies[0] * K.context.pi - 1) < K.coerce("1e-23")
+    assert abs(2 * flow.portrait.actions[0] / x**2 - 1) < K.coerce("1e-20")
+    assert len(flow.portrait.angles) == 1

@@ -11,6 +11,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
 
 WAVE = tuple(float(x) for x in np.sin(2 * np.pi * np.arange(5) / 5))
 
@@ -97,3 +98,17 @@ def test_numbers_beyond_floats_are_refused_as_before() -> None:
     lattice = TodaLattice(4, field=MP(30))
     with pytest.raises(PrecisionLoss, match="additions lose"):
         lattice.flow(lattice.state((1, -1, 1, -1), ("1e400", "-1e400", "1e400", "-1e400"))).at(["1e-380"])
+
+
+def test_a_lattice_and_its_mirror_image_have_a_double_branch_point_at_zero() -> None:
+    """At x = 0 every coefficient but one vanishes, and rounding there is that of the other coefficients."""
+    q = 0.1 * np.arange(6) - 0.02 * np.arange(6) ** 2
+    q = (*q, 0.0, *-q[:0:-1])
+    lattice = TodaLattice(12)
+    flow = lattice.flow(lattice.state(q, [0.0] * 12))
+    for bits in (124, 160, 400):
+        with LongField(bits) as N:
+            ovals = flow._separated(N).ovals
+            assert len(ovals) == 11
+            assert (ovals[5].radius, abs(ovals[5].middle) < 2.0 ** (10 - bits)) == (0, True)
+            assert min(oval.radius for oval in ovals[:5]) > 1e-4

@@ -14,6 +14,7 @@ from integrable import Check, Gyroscopic, Hat, Tilde
 from jacobian import GF, MP, RR
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import replaced
+from jacobian.native.library import Library
 from tests.integrable.deformed_systems import KINDS, random_deformation
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -244,6 +245,24 @@ def test_the_lines_add_up_to_the_motion(name) -> None:
     assert (found.frequencies > 0).sum() == len(found) - 1
 
 
+def test_lines_in_poles_are_those_of_interpreted_code(monkeypatch) -> None:
+    system = Tilde((1, 2, 4), potential=(0, 0, 8, 8, 8))
+    state = system.state(*START)
+    true = system.flow(state).spectrum()
+
+    def load(library):
+        raise AssertionError(f"{library.name} is compiled")
+
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
+    monkeypatch.setattr(Library, "load", load)
+    monkeypatch.setattr(Library, "__getattr__", lambda library, name: load(library))
+    found = system.flow(state).spectrum()
+    assert found.modes.tolist() == true.modes.tolist()
+    for quantity in true.quantities:
+        wanted = getattr(true, quantity)
+        assert abs(getattr(found, quantity) - wanted).max() <= 1e-15 * abs(wanted).max()
+
+
 # --- what grows
 
 
@@ -277,6 +296,20 @@ def test_small_oscillations_have_the_frequencies_of_the_linearized_equations() -
         _ = portrait.angles
     with pytest.raises(NotRepresentable, match=r"section: .* rests"):
         flow.section(1)
+
+
+@pytest.mark.parametrize("kind", [Tilde, Check, Hat])
+@pytest.mark.parametrize("inertia", [(1, 1 + 1e-14, 2), (1, 1 + 2**-52, 1 + 2**-51)])
+def test_a_point_moves_in_the_oval_of_moments_that_differ_in_last_bits(kind, inertia) -> None:
+    system = kind(inertia)
+    flow = system.flow(system.state(*START))
+    wide = flow._through(flow._numbers, MP(60))
+    assert flow.portrait.angles == pytest.approx([float(x) for x in wide.portrait.angles], rel=1e-15)
+    for oval in (0, 1):
+        section, true = flow.section(3, oval), wide.section(3, oval).times.astype(float)
+        assert abs(section.times - true).max() <= 1e-15 * true.max()
+        w = np.cross(section.run.gamma, section.run.M)
+        assert (abs(w).min(axis=1) < 1e-14).all()
 
 
 def test_a_factor_of_m_changes_all_frequencies() -> None:

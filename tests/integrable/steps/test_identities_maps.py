@@ -284,11 +284,11 @@ def test_an_even_multiple_of_the_own_divisor_has_no_real_state() -> None:
     ball = ChaplyginBall((1, 2, 3), 0.7)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     with pytest.raises(NotASquare, match="κ"):
-        ball.multiplication(2)(state)
+        ball.multiplication(2)
     image = ball.multiplication(3)(state)
     assert max(abs(x - y) for x, y in zip(ball.integrals(image), ball.integrals(state), strict=True)) < 1e-9
     with pytest.raises(NotRepresentable, match="equal"):
-        ChaplyginBall((1, 1, 3), 0.7).multiplication(3)(state)
+        ChaplyginBall((1, 1, 3), 0.7).multiplication(3)
     for factor, words in ((0, "zero"), (1.5, "int")):
         with pytest.raises(ArgumentError, match=words):
             ball.multiplication(factor)
