@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 
-from integrable.motion.precise_clock import NEAR_CELLS, NONE, ClockLimits, OneTime, PanelClock
+from integrable.motion.precise_clock import NEAR_CELLS, NONE, ClockLimits, OneTime, PanelClock, Scouts
 from integrable.moving_point import addition
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
 from integrable.phase.ways import rounded
-from integrable.torus.panel_rates import Scouts
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.protocol import Field

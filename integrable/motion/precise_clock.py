@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from math import ceil, inf
+from math import ceil, inf, log10
 from operator import mul
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, gauss_legendre, place_on
-from integrable.torus.panel_rates import PanelRates, Scouts
+from integrable.moving_point.translations import Translations
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
@@ -41,34 +42,80 @@ LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
 # correct digits
 END_DIGITS = 12
+# the decrease of the Legendre coefficients of 1/g, up to the last one that exceeds LEAST_SEEN, is measured with as many
+# nodes as SCOUT_NODES says: first for a basic step (Setup.step_length), then for a longer panel
+SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
+SCOUT_BITS = 240
+# if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
+# largest of them
+FLAT = 1e-6
+SAMPLES = range(0, 512, 61)
 
 
 class ClockLimits(NamedTuple):
-    """Limits on a clock: the number of values of 1/g between the start and a time, the number of digits, and whether
-    double-double numbers may be used where they suffice.
-    """
+    """Limits on a clock: the number of values of 1/g between the start and a time, and the number of digits."""
 
     most: float = inf
     digits: float = inf
-    compiled: bool = False
 
 
 NONE = ClockLimits()
 
 
 class Nodes(NamedTuple):
-    """Translations from the centre of a panel to its nodes, the same translations packed for :class:`PanelRates`, and
-    the ``roots`` of :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where that function would
-    lose digits.
+    """Translations from the centre of a panel to its nodes, and the ``roots`` of
+    :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where that function would lose digits.
     """
 
     steps: list[Row]
-    packed: Any
     roots: list[Real] | None
 
 
 class Unresolved(ArithmeticError):
     """Raised if the Legendre series of a cell has not converged."""
+
+
+class Scouts:
+    """How fast the Legendre coefficients of 1/g decrease along a motion: measured once, for clocks of any precision."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup
+        self._found: dict[tuple[int, int], float] = {}
+        self._rules: dict[int, tuple[LegendreSeries, list[Row]]] = {}
+
+    def digits_a_node(self, sign: int, length: int) -> float:
+        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease, on the worst of
+        some panels of ``length`` steps (Setup.step_length); ``sign`` is the direction of time.
+        """
+        if (sign, length) not in self._found:
+            sizes = self._sizes(sign, length)
+            most = max(sizes[1:])
+            if 0 < most < FLAT:
+                sizes = [size / most for size in sizes]
+            last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
+            self._found[sign, length] = -log10(max(sizes[last], LEAST_SEEN)) / last
+        return self._found[sign, length]
+
+    def _sizes(self, sign: int, length: int) -> list[float]:
+        """The largest size of each Legendre coefficient over some panels, relative to the coefficient of degree 0."""
+        setup, (series, steps) = self._setup, self._rule(length)
+        bare, sizes = setup.bare, [0.0] * len(steps)
+        for cell in SAMPLES:
+            point = setup.reached(sign, cell)
+            with setup.reals.at(SCOUT_BITS):
+                values = [addition.rate_after(bare.f, bare.axes, point, step) for step in steps[::sign]]
+                found = [abs(float(c)) for c in series.coefficients(values)]
+            sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
+        return sizes
+
+    def _rule(self, length: int) -> tuple[LegendreSeries, list[Row]]:
+        """The Legendre series on a panel of ``length`` steps (Setup.step_length), and the translations to its nodes."""
+        if length not in self._rules:
+            problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
+            translations = Translations(reals, problem.f, problem.axes, problem.half_step)
+            series = LegendreSeries(reals, SCOUT_NODES[length > 1])
+            self._rules[length] = series, translations.at_nodes(series.nodes, length)
+        return self._rules[length]
 
 
 class RatePanels:
@@ -80,7 +127,6 @@ class RatePanels:
         self._setup = setup
         self._sign = sign
         self._digits = min(setup.digits, limits.digits)
-        self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
         self._scouts = Scouts(setup) if scouts is None else scouts
 
@@ -93,15 +139,10 @@ class RatePanels:
         if not self._setup.tilt and min(1 - d * x for x in self._setup.bare.axes[:3]) > LIGHT:
             with self._setup.reals:
                 roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
-        return Nodes(steps, self._compiled and self._compiled.steps(steps), roots)
+        return Nodes(steps, roots)
 
     def _rates_at(self, point: Row, nodes: Nodes) -> list[Real]:
         bare = self._setup.bare
-        if self._compiled:
-            found = self._compiled.around(point, nodes.steps, nodes.packed)
-            if found is not None:
-                zero = 0 * self._half
-                return [zero + high + low for high, low in found.tolist()]
         if nodes.roots is not None:
             return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
         return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
