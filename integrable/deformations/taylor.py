@@ -15,6 +15,7 @@ import numpy as np
 from integrable.moving_point.addition import Row
 from integrable.series.recurrences import coefficients, values_at
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
+from integrable.torus.loops import CompiledNumbers, ReadableNumbers
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.fields.protocol import Field
@@ -22,7 +23,6 @@ from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKi
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.compiler import interpreted
-from jacobian.numbers.double_double import double_double_row
 from jacobian.numbers.long_reals import BareReals
 
 # the remaining steps are estimated after KNOWN_FROM steps; the estimate may be wrong by the factor UNEVEN
@@ -131,55 +131,9 @@ DOUBLE_DOUBLE = 28
 """Largest number of digits for which double-doubles are used."""
 
 
-class _Interpreted:
-    """The loops on bare reals with the digits of the field."""
-
-    # ``most`` products of coefficients take half a minute; a step has the overhead of ``overhead`` products
-    most, overhead = 3e7, 500
-
-    def __init__(self, field: Any) -> None:
-        self._field, self._reals = field, BareReals(field.context.prec)
-
-    def tape(self, arrays: tuple[list[int], ...]) -> tuple[Row, ...]:
-        return arrays
-
-    def row(self, values: Sequence[Real]) -> Row:
-        return list(self._reals.row(values))
-
-    def room(self, count: int) -> Row:
-        return [self._reals.number(0)] * count
-
-    def wide(self, values: Row) -> list[Real]:
-        return list(self._reals.elements(self._field, values))
-
-    def march(self, *arguments: Any) -> int:
-        with self._reals:
-            return march_along(*arguments)
-
-
-class _Compiled:
-    """The loops compiled for double-doubles."""
-
-    # ``most`` products of coefficients take a second; the overhead of a step takes as long as ``overhead`` products
-    most, overhead = 6e7, 3e4
-
-    def __init__(self, field: Any) -> None:
-        self._field, self.march = field, LIBRARY.march
-
-    def tape(self, arrays: tuple[list[int], ...]) -> tuple[Row, ...]:
-        return tuple(np.array(x, dtype=np.int64) for x in arrays)
-
-    def row(self, values: Sequence[Real]) -> Row:
-        return double_double_row(values)
-
-    def room(self, count: int) -> Row:
-        return np.zeros((count, 2))
-
-    def wide(self, values: Row) -> list[Real]:
-        if not np.isfinite(values).all():
-            return [self._field.context.nan] * len(values)
-        made = self._field.context.mpf
-        return [made(high) + low for high, low in values.tolist()]
+# largest number of products of coefficients, and the number of products that take as long as the overhead of a step:
+# half a minute in bare reals, and a second in compiled code
+INTERPRETED, COMPILED = (3e7, 500), (6e7, 3e4)
 
 
 def integrate(
@@ -206,10 +160,10 @@ def integrate(
             continue
         problem = field, tape, start, [times[i] for i in order], digits, refused is None, unit
         try:
-            found, why = _marched(_Compiled if compiled else _Interpreted, *problem)
-        except ArgumentError:
+            found, why = _marched(compiled, *problem)
+        except (ArgumentError, PrecisionLoss):
             # some numbers are beyond the range of floats
-            found, why = _marched(_Interpreted, *problem)
+            found, why = _marched(False, *problem)
         for i, row in zip(order, found, strict=False):
             rows[i] = row
         if why:
@@ -220,7 +174,7 @@ def integrate(
 
 
 def _marched(
-    kind: type[_Interpreted] | type[_Compiled],
+    compiled: bool,
     field: Any,
     tape: Tape,
     start: Sequence[Real],
@@ -230,23 +184,29 @@ def _marched(
     unit: float,
 ) -> tuple[list[list[Real]], Exception | None]:
     """The variables at the times that were reached, and the error that describes why later times were not, or None."""
-    loops, count = kind(field), len(start)
+    numbers, count = CompiledNumbers() if compiled else ReadableNumbers(BareReals(field.context.prec)), len(start)
+    most_products, overhead = COMPILED if compiled else INTERPRETED
     # with steps of e⁻² times the radius of convergence, the neglected terms are of the size e^(−2·order)
     order = ceil(digits * log(10) / 2) + 2
     products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
-    work = order * (order / 2 * products + len(tape.kinds)) + loops.overhead
-    most = loops.most / work
+    work = order * (order / 2 * products + len(tape.kinds)) + overhead
+    most = most_products / work
     constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
-    packed = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
-    middles = loops.row([*start, *constants[count:]])
-    room = SeriesRoom(middles, loops.room(1), loops.room(len(middles) * (order + 1)), np.zeros(4))
-    out = loops.room(len(times) * count)
-    status = loops.march(packed, order, -digits * log(10), most, strict, room, loops.row(times), out)
+    codes = tuple(map(numbers.integers, (tape.kinds, tape.left, tape.right, tape.results)))
+    middles = numbers.row([*start, *constants[count:]])
+    room = SeriesRoom(middles, numbers.room(1), numbers.room(len(middles) * (order + 1)), np.zeros(4))
+    out = numbers.room(len(times) * count)
+    asked = codes, order, -digits * log(10), most, strict, room, numbers.row(times), out
+    if isinstance(numbers, CompiledNumbers):
+        status = LIBRARY.march(*asked)
+    else:
+        with numbers.reals:
+            status = march_along(*asked)
     done = int(room.told[REACHED])
-    values = [loops.wide(out[i * count : (i + 1) * count]) for i in range(done)]
+    values = [list(numbers.wide(out[i * count : (i + 1) * count], field)) for i in range(done)]
     if status == 0:
         return values, None
-    now, time = unit * float(loops.wide(room.now)[0]), unit * float(times[done])
+    now, time = unit * float(numbers.floats(room.now)[0]), unit * float(times[done])
     if status == ENDS:
         return values, PrecisionLoss(
             f"times: the motion ends, or cannot be followed, near t = {now:g}, before {time:g}"
