@@ -11,10 +11,10 @@ from integrable.deformations.carrier import GUARD_DIGITS, widened
 from integrable.deformations.equations import BY_STEPS, Integration, NearWalk, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
-from integrable.deformations.taylor import integrate
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
+from integrable.mumford.taylor import integrate
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
