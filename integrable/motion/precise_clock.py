@@ -75,60 +75,43 @@ class Unresolved(ArithmeticError):
     """Raised if the Legendre series of a cell has not converged."""
 
 
-class Scouts:
-    """How fast the Legendre coefficients of 1/g decrease along a motion: measured once, for clocks of any precision."""
+def digits_a_node(setup: Setup, sign: int, length: int) -> float:
+    """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease, on the worst of some
+    panels of ``length`` steps (Setup.step_length); ``sign`` is the direction of time. It is measured once for a motion.
+    """
+    if (sign, length) not in setup.decays:
+        sizes = _sizes(setup, sign, length)
+        most = max(sizes[1:])
+        if 0 < most < FLAT:
+            sizes = [size / most for size in sizes]
+        last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
+        setup.decays[sign, length] = -log10(max(sizes[last], LEAST_SEEN)) / last
+    return setup.decays[sign, length]
 
-    def __init__(self, setup: Setup) -> None:
-        self._setup = setup
-        self._found: dict[tuple[int, int], float] = {}
-        self._rules: dict[int, tuple[LegendreSeries, list[Row]]] = {}
 
-    def digits_a_node(self, sign: int, length: int) -> float:
-        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease, on the worst of
-        some panels of ``length`` steps (Setup.step_length); ``sign`` is the direction of time.
-        """
-        if (sign, length) not in self._found:
-            sizes = self._sizes(sign, length)
-            most = max(sizes[1:])
-            if 0 < most < FLAT:
-                sizes = [size / most for size in sizes]
-            last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
-            self._found[sign, length] = -log10(max(sizes[last], LEAST_SEEN)) / last
-        return self._found[sign, length]
-
-    def _sizes(self, sign: int, length: int) -> list[float]:
-        """The largest size of each Legendre coefficient over some panels, relative to the coefficient of degree 0."""
-        setup, (series, steps) = self._setup, self._rule(length)
-        bare, sizes = setup.bare, [0.0] * len(steps)
-        for cell in SAMPLES:
-            point = setup.reached(sign, cell)
-            with setup.reals.at(SCOUT_BITS):
-                values = [addition.rate_after(bare.f, bare.axes, point, step) for step in steps[::sign]]
-                found = [abs(float(c)) for c in series.coefficients(values)]
-            sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
-        return sizes
-
-    def _rule(self, length: int) -> tuple[LegendreSeries, list[Row]]:
-        """The Legendre series on a panel of ``length`` steps (Setup.step_length), and the translations to its nodes."""
-        if length not in self._rules:
-            problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
-            translations = Translations(reals, problem.f, problem.axes, problem.half_step)
-            series = LegendreSeries(reals, SCOUT_NODES[length > 1])
-            self._rules[length] = series, translations.at_nodes(series.nodes, length)
-        return self._rules[length]
+def _sizes(setup: Setup, sign: int, length: int) -> list[float]:
+    """The largest size of each Legendre coefficient over some panels, relative to the coefficient of degree 0."""
+    problem, bare, reals = setup.problem, setup.bare, BareReals(SCOUT_BITS)
+    series = LegendreSeries(reals, SCOUT_NODES[length > 1])
+    translations = Translations(reals, problem.f, problem.axes, problem.half_step)
+    steps, sizes = translations.at_nodes(series.nodes, sign * length), [0.0] * len(series.nodes)
+    for cell in SAMPLES:
+        point = setup.reached(sign, cell)
+        with reals:
+            values = [addition.rate_after(bare.f, bare.axes, point, step) for step in steps]
+            found = [abs(float(c)) for c in series.coefficients(values)]
+        sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
+    return sizes
 
 
 class RatePanels:
-    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` measure
-    how fast its Legendre coefficients decay, and may be shared by the clocks of a motion.
-    """
+    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup."""
 
-    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
+    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE) -> None:
         self._setup = setup
         self._sign = sign
         self._digits = min(setup.digits, limits.digits)
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
-        self._scouts = Scouts(setup) if scouts is None else scouts
 
     def _at_nodes(self, nodes: list[Real], length: Real) -> Nodes:
         """The :class:`Nodes` of a panel of ``length`` cells; ``nodes`` lie in [−1, 1], symmetric about 0, and do not
@@ -151,12 +134,6 @@ class RatePanels:
         """An even number of nodes that suffices for the clock's digits if each node adds ``rate`` digits."""
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
-    def _digits_a_node(self, length: int) -> float:
-        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease on a panel of
-        ``length`` basic steps.
-        """
-        return self._scouts.digits_a_node(self._sign, length)
-
     def _resolves(self, first: Real, tail: list[Real], digits: float) -> bool:
         """Whether the last coefficients of a series are negligible relative to its first."""
         return bool(max(map(abs, tail)) <= abs(first) * self._small(digits + 3))
@@ -172,10 +149,10 @@ class PanelClock(RatePanels):
     for Legendre series with at most 6 nodes per digit, or if a time needs more values of 1/g than ``limits`` allow.
     """
 
-    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
-        super().__init__(setup, sign, limits, scouts)
+    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE) -> None:
+        super().__init__(setup, sign, limits)
         self._most = limits.most
-        self._use(self._node_count(self._digits_a_node(1)))
+        self._use(self._node_count(digits_a_node(self._setup, self._sign, 1)))
         self._long: tuple[Nodes, list[Real]] | None = None
 
     def place(self, t: Real) -> tuple[int, Real]:
@@ -291,12 +268,14 @@ class PanelClock(RatePanels):
             )
 
     def _long_panels(self) -> bool:
-        return self._digits_a_node(LONG) > SLOWEST_LONG
+        return digits_a_node(self._setup, self._sign, LONG) > SLOWEST_LONG
 
     def _long_rule(self) -> tuple[Nodes, list[Real]]:
         """The nodes, as translations, and the weights of the rule of a long panel."""
         if self._long is None:
-            x, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(LONG)))
+            x, weights = gauss_legendre(
+                self._setup.reals, self._node_count(2 * digits_a_node(self._setup, self._sign, LONG))
+            )
             self._long = self._at_nodes(x, LONG), weights
         return self._long
 
@@ -347,7 +326,9 @@ class OneTime(RatePanels):
     def _time(self, tau: Real, point: Callable[[Real], Row]) -> Real | None:
         """The physical time at τ > 0, by a Gauss rule on panels that are no longer than a cell."""
         count = ceil(float(tau / (2 * self._half)))
-        nodes, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(1)))
+        nodes, weights = gauss_legendre(
+            self._setup.reals, self._node_count(2 * digits_a_node(self._setup, self._sign, 1))
+        )
         n, panel = len(nodes), tau / (2 * count)
         steps, total = self._at_nodes(nodes, panel / self._half), 0 * tau
         # ``last`` is w_i·P_(n − 1)(x_i), from P_(n − 1)² = 2(1 − x²)/(n²w) at the nodes; ``other`` is w_i·P_(n −

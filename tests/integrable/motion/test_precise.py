@@ -110,9 +110,9 @@ def test_times_on_the_torus_by_every_kind_of_numbers(monkeypatch) -> None:
 
 def test_long_panels_agree_with_cells() -> None:
     system, state = ball(40)
-    setup = Setup(system.body, state.gamma, state.M)
-    clock, slow = PanelClock(setup, 1), PanelClock(setup, 1)
-    slow._scouts._found[1, LONG] = 0.0
+    setup, other = (Setup(system.body, state.gamma, state.M) for _ in range(2))
+    other.decays[1, LONG] = 0.0
+    clock, slow = PanelClock(setup, 1), PanelClock(other, 1)
     for cell in (NEAR_CELLS, NEAR_CELLS + 1, NEAR_CELLS + LONG, 3 * LONG + NEAR_CELLS + 4):
         x = setup.reals.number(0.375)
         assert abs(float(clock.time(cell, x) - slow.time(cell, x))) < 1e-50
