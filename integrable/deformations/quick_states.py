@@ -112,15 +112,14 @@ class QuickStates:
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray | None:
         """γ and M at phases of both curves in turns since the start, (N, 2): shape (N, 6); None if digits lack."""
-        carrier, wide = self._many.carrier, np.zeros((*phases.shape, 2))
-        wide[:, :, 0], far = phases, int(np.argmax(np.abs(phases).max(axis=1)))
+        carrier, far = self._many.carrier, int(np.argmax(np.abs(phases).max(axis=1)))
         with carrier.field:
             packed = self._packed(carrier)
             if packed is None:
                 return None
             turns = zip(map(carrier.field.coerce, phases[far].tolist()), carrier.curves, strict=True)
             truth = carrier.moved([turn * curve.period for turn, curve in turns])
-            return self._quick(carrier, packed, packed.at(wide.reshape(-1, 2)), far, truth)
+            return self._quick(carrier, packed, packed.at(CompiledLoops().exact(phases.ravel())), far, truth)
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
         """Returns None: the physical times at values of τ are computed with many digits."""
@@ -135,7 +134,7 @@ class QuickStates:
         clock = packed and self._clock(carrier)
         if packed is None or clock is None or turns_in(times, clock.paces) > clock.clock.most:
             return None
-        phases, tau = clock.clock.phases(times)
+        phases, tau, _ = clock.clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
         truth = carrier.moved([turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)])
         rate = carrier.field.sqrt(carrier.system.body.conformal(truth[0]))
@@ -217,10 +216,9 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
 def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` is not used."""
     count, (rows, columns) = max(sizes), sizes
-    phases = np.zeros((count, 2, 2))
     # the sizes are powers of 2, so that the fractions are exact
-    phases[:, :, 0] = np.arange(count)[:, None] / sizes
-    points, table = packed.at(phases.reshape(-1, 2)), np.empty((rows * columns, 2))
+    phases = CompiledLoops().exact((np.arange(count)[:, None] / sizes).ravel())
+    points, table = packed.at(phases), np.empty((rows * columns, 2))
     numbers = double_double_row((pace.d, *pace.weights))
     LIBRARY.paces(points[3][:rows], points[7][:columns], numbers, table)
     return table.reshape(rows, columns, 2)

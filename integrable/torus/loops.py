@@ -36,10 +36,7 @@ _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 
 
 # for each interpreted loop, which of its arguments are passed as lists: the arrays of floats that it only reads
-READ = {
-    "phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "states_at_phases": (1,), "states_at_tau": (2,),
-    "states_at_times": (2,), "times_at_tau": (1,),
-}  # fmt: skip
+READ = {"phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "times_at_tau": (1,)}
 
 
 class ReadableNumbers:
@@ -57,6 +54,11 @@ class ReadableNumbers:
     def row(self, values: Iterable[Real]) -> Row:
         """A row of ``values``, numbers of any kind, converted to the precision of the loops."""
         return list(self.reals.row(values))
+
+    def exact(self, values: np.ndarray) -> Row:
+        """A row of floats."""
+        row: Row = values.tolist()
+        return row
 
     def integers(self, values: Iterable[int]) -> Row:
         """The integers as loops take them: a list if interpreted, an array if compiled."""
@@ -131,6 +133,11 @@ class CompiledNumbers:
 
     def row(self, values: Iterable[Real]) -> Row:
         return double_double_row(values).reshape(-1, 2)
+
+    def exact(self, values: np.ndarray) -> Row:
+        row = np.zeros((len(values), 2))
+        row[:, 0] = values
+        return row
 
     def integers(self, values: Iterable[int]) -> Row:
         return np.fromiter(values, dtype=np.int64)
