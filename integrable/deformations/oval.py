@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from integrable.mumford.elliptic_torus import OVAL, EllipticOval, OvalThetas, oval_points
 from jacobian.element import Real
 from jacobian.inexact.long_field import LongField
-from jacobian.native.kinds import INT, WIDES, TupleKind
+from jacobian.native.kinds import WIDES, TupleKind
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.abreast import abreast
@@ -59,21 +59,17 @@ class Pace(NamedTuple):
         return 1 / self.field.sqrt(abs(one + two))
 
 
-def points(curves: tuple[OvalThetas, OvalThetas], levels: tuple[Row, Row], times: Row, step: int, out: Row) -> None:
-    """Writes all R₁, all R₂, all R₃ and all z on the first curve at N points, then those on the second.
-
-    With ``step`` = 1 the points are at the same ``times`` on both curves; with ``step`` = 2 ``times`` has a pair for
-    each point.
-    """
-    count = len(times) // step
-    put_points(curves[0], levels[0], times, (0, step), out[: 4 * count])
-    put_points(curves[1], levels[1], times, (step - 1, step), out[4 * count :])
+def points(curves: tuple[OvalThetas, OvalThetas], levels: tuple[Row, Row], phases: Row, out: Row) -> None:
+    """Writes all R₁, all R₂, all R₃ and all z on the first curve, then those on the second, at N pairs of phases."""
+    count = len(phases) // 2
+    put_points(curves[0], levels[0], phases, 0, out[: 4 * count])
+    put_points(curves[1], levels[1], phases, 1, out[4 * count :])
 
 
-def put_points(curve: OvalThetas, levels: Row, times: Row, place: tuple[int, int], out: Row) -> None:
-    """Writes all R₁, R₂, R₃ and z on one curve at the times ``times[begin + step·n]``; ``place`` is (begin, step)."""
+def put_points(curve: OvalThetas, levels: Row, phases: Row, k: int, out: Row) -> None:
+    """Writes all R₁, R₂, R₃ and z on one curve; ``k`` is the place, 0 or 1, of its phase in each pair."""
     count = len(out) // 4
-    oval_points(curve, times, place, out[: 3 * count])
+    oval_points(curve, phases, (k, 2), out[: 3 * count])
     for n in range(count):
         out[3 * count + n] = height(levels, (out[n], out[count + n], out[2 * count + n]))
 
@@ -96,7 +92,7 @@ def paces(first: Row, second: Row, numbers: Row, table: Row) -> None:
 LIBRARY = Library(
     "deformations",
     {
-        "points": (points, (TupleKind((OVAL, OVAL)), TupleKind((WIDES, WIDES)), WIDES, INT, WIDES)),
+        "points": (points, (TupleKind((OVAL, OVAL)), TupleKind((WIDES, WIDES)), WIDES, WIDES)),
         "paces": (paces, (WIDES, WIDES, WIDES, WIDES)),
     },
     SPECIAL,

@@ -36,17 +36,8 @@ class OvalsClock(LongClock):
 
     def __init__(self, pace: Pace, digits: int) -> None:
         field = MP(int(pace.field.bits / log2(10)))
-        self._modes, self._unit = modes_of_pace(pace, digits, field), field.coerce(pace.period)
-        super().__init__(self._modes, digits, field)
-
-    def tau(self, times: list[Real]) -> list[Real]:
-        """τ at every t; exactly 0 at 0."""
-        found = super().tau([self.wide.coerce(t) / self._unit for t in times])
-        return [x * self._unit if t else self.wide.zero for t, x in zip(times, found, strict=True)]
-
-    def times(self, tau: list[Real]) -> list[Real]:
-        """t at every τ."""
-        return [t * self._unit for t in super().times([self.wide.coerce(x) / self._unit for x in tau])]
+        self._modes = modes_of_pace(pace, digits, field)
+        super().__init__(self._modes, digits, field, field.coerce(pace.period))
 
     def defect(self, tau: Real, rate: Real) -> Real:
         """The relative difference between ``rate`` and the series of 1/g at τ."""
@@ -56,7 +47,7 @@ class OvalsClock(LongClock):
             # the modes with −m are the conjugates of those with m and are not stored: the sum is twice the real part of
             # the stored rows, that of m = 0 being halved
             rows = [[c / 2 for c in self._modes.rows[0]], *self._modes.rows[1:]]
-            turns = phases(self.wide.coerce(tau) / self._unit, self.frequencies, self.wide)
+            turns = phases(self.wide.coerce(tau) / self._scale, self.frequencies, self.wide)
             angles = (2 * balls.number(x) for x in turns)
             one, two = (flint.acb(x.cos_pi(), x.sin_pi()) for x in angles)
             waves = flint.acb_mat([powers(one**0, one, len(rows))]) * flint.acb_mat(rows)

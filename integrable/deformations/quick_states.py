@@ -48,31 +48,32 @@ Made = TypeVar("Made")
 class PackedCurves(NamedTuple):
     """A motion in double-doubles.
 
-    ``curves`` are its ovals for times τ, ``turning`` those for phases in turns; ``levels`` are those of
-    :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use. ``before``
-    has H and K of the start, and ``most_lost`` their largest errors.
+    ``rates`` are the turns of both phases per unit of τ, ``curves`` the ovals for phases in turns; ``levels`` are
+    those of :mod:`integrable.deformations.oval`. ``fixed`` has the constants of the motion that ``formulas`` use.
+    ``before`` has H and K of the start, and ``most_lost`` their largest errors.
     """
 
+    rates: np.ndarray
     curves: tuple[OvalThetas, OvalThetas]
-    turning: tuple[OvalThetas, OvalThetas]
     levels: tuple[np.ndarray, np.ndarray]
     formulas: PointFormulas
     fixed: np.ndarray
     before: np.ndarray
     most_lost: np.ndarray
 
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """R₁, R₂, R₃ and z of the point on each curve (:mod:`integrable.deformations.oval`) at N τ, shape (8, N, 2)."""
-        times, out = np.zeros((len(tau), 2)), np.empty((8, len(tau), 2))
-        times[:, 0] = tau
-        LIBRARY.points(self.curves, self.levels, times, 1, out.reshape(-1, 2))
+    def at(self, phases: np.ndarray) -> np.ndarray:
+        """R₁, R₂, R₃ and z of the point on each curve (:mod:`integrable.deformations.oval`) at N pairs of phases, in
+        turns since the start: shape (8, N, 2).
+        """
+        out = np.empty((8, len(phases) // 2, 2))
+        LIBRARY.points(self.curves, self.levels, phases, out.reshape(-1, 2))
         return out
 
-    def at(self, phases: np.ndarray) -> np.ndarray:
-        """The result of :meth:`at_tau` for N pairs of phases, in turns since the start, instead of values of τ."""
-        out = np.empty((8, len(phases) // 2, 2))
-        LIBRARY.points(self.turning, self.levels, phases, 2, out.reshape(-1, 2))
-        return out
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """The result of :meth:`at` at N values of τ."""
+        loops = CompiledLoops()
+        loops.phases_at(self.rates, np.ascontiguousarray(tau, dtype=np.float64), phases := loops.room(2 * len(tau)))
+        return self.at(phases)
 
 
 class QuickStates:
@@ -111,15 +112,14 @@ class QuickStates:
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray | None:
         """γ and M at phases of both curves in turns since the start, (N, 2): shape (N, 6); None if digits lack."""
-        carrier, wide = self._many.carrier, np.zeros((*phases.shape, 2))
-        wide[:, :, 0], far = phases, int(np.argmax(np.abs(phases).max(axis=1)))
+        carrier, far = self._many.carrier, int(np.argmax(np.abs(phases).max(axis=1)))
         with carrier.field:
             packed = self._packed(carrier)
             if packed is None:
                 return None
             turns = zip(map(carrier.field.coerce, phases[far].tolist()), carrier.curves, strict=True)
             truth = carrier.moved([turn * curve.period for turn, curve in turns])
-            return self._quick(carrier, packed, packed.at(wide.reshape(-1, 2)), far, truth)
+            return self._quick(carrier, packed, packed.at(CompiledLoops().exact(phases.ravel())), far, truth)
 
     def times(self, tau: np.ndarray) -> np.ndarray | None:
         """Returns None: the physical times at values of τ are computed with many digits."""
@@ -134,7 +134,7 @@ class QuickStates:
         clock = packed and self._clock(carrier)
         if packed is None or clock is None or turns_in(times, clock.paces) > clock.clock.most:
             return None
-        phases, tau = clock.clock.phases(times)
+        phases, tau, _ = clock.clock.phases(times)
         turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
         truth = carrier.moved([turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)])
         rate = carrier.field.sqrt(carrier.system.body.conformal(truth[0]))
@@ -170,13 +170,12 @@ class QuickClock:
     def __init__(self, pace: Pace, packed: PackedCurves) -> None:
         loops = CompiledLoops()
         # the turns of either phase per unit of τ
-        rates = [curve.numbers[0] for curve in packed.curves]
-        turns = [float(high) for high, _ in rates]
+        turns = packed.rates[:, 0].tolist()
         scale = SWIFT * 2 * np.pi * max(turns)
         given = partial(samples, pace, packed), grid_resolving(pace), MOST_SAMPLES
         self._spectrum = resolved_spectrum(loops, *given, turns, scale, NOISE)
         mean = self._spectrum.values[0]
-        row = np.array([*rates, mean, loops.circle[0]])
+        row = np.array([*packed.rates, mean, loops.circle[0]])
         self.clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
         self.paces = [nu / float(mean[0]) for nu in turns]
 
@@ -217,10 +216,9 @@ def grid_resolving(pace: Pace) -> tuple[int, int]:
 def samples(pace: Pace, packed: PackedCurves, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles; ``known`` is not used."""
     count, (rows, columns) = max(sizes), sizes
-    phases = np.zeros((count, 2, 2))
     # the sizes are powers of 2, so that the fractions are exact
-    phases[:, :, 0] = np.arange(count)[:, None] / sizes
-    points, table = packed.at(phases.reshape(-1, 2)), np.empty((rows * columns, 2))
+    phases = CompiledLoops().exact((np.arange(count)[:, None] / sizes).ravel())
+    points, table = packed.at(phases), np.empty((rows * columns, 2))
     numbers = double_double_row((pace.d, *pace.weights))
     LIBRARY.paces(points[3][:rows], points[7][:columns], numbers, table)
     return table.reshape(rows, columns, 2)
@@ -234,24 +232,16 @@ def packed(carrier: CurvesCarrier) -> PackedCurves:
     system, (first, second) = carrier.inner, carrier.curves
     there = (*map(bool, system.constants),)
     formulas = made_once(("states", type(carrier), type(system), there), lambda: recorded_states(carrier, there))
-    curves = first.packed(carrier.speed / first.period), second.packed(carrier.speed / second.period)
     levels = double_double_row((*carrier.levels[0], *carrier.levels[1]))
     return PackedCurves(
-        curves,
-        (turning(curves[0]), turning(curves[1])),
+        double_double_row(carrier.tau_frequencies),
+        (first.packed(1), second.packed(1)),
         (levels[:4], levels[4:]),
         formulas,
         formulas.fixed(carrier.field, [*compress(system.constants, there), *flat(carrier.frame)]),
         double_double_row(carrier.before),
         MOST_LOST * np.array([*map(float, carrier.sizes)]),
     )
-
-
-def turning(curve: OvalThetas) -> OvalThetas:
-    """The curve with its period as the unit of time: a time is then the phase since the start, in turns."""
-    numbers = curve.numbers.copy()
-    numbers[0] = 1, 0
-    return curve._replace(numbers=numbers)
 
 
 def recorded_states(carrier: CurvesCarrier, there: Sequence[bool]) -> PointFormulas:

@@ -59,8 +59,8 @@ DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states plain floats are faster than arrays
 FEW = 16
-# without a torus in floats, t(τ) is integrated along the motion, from at most MOST_RATES values of 1/g; they take about
-# half a second
+# without a torus in floats, t(τ) is integrated along the motion, from at most MOST_RATES values of 1/g; they take up
+# to a second
 MOST_RATES = 16_000
 # with CLOCK_DIGITS digits of the clock, states in floats are accurate up to the farthest times that MOST_RATES values
 # reach
@@ -249,8 +249,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         field, body = self.system.field, self.system.body
         if field is not RR:
             return PreciseFlow(body, self.state, field.dps, self.setup)
-        limits = ClockLimits(MOST_RATES, CLOCK_DIGITS, self._compiled)
-        return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
+        return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=ClockLimits(MOST_RATES, CLOCK_DIGITS))
 
     @cached_property
     def _closed(self) -> Way | None:

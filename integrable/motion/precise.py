@@ -21,7 +21,6 @@ from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digit
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
 from integrable.phase.ways import rounded
-from integrable.torus.panel_rates import Scouts
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.protocol import Field
@@ -305,15 +304,14 @@ class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     ``limits`` bound the cost of the clock; finite limits mean that the torus has failed in floats, and no torus is
-    tried. ``scouts``, shared by all clocks, measure how fast the Legendre coefficients of 1/g decay.
+    tried.
     """
 
-    def __init__(self, setup: Setup, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
+    def __init__(self, setup: Setup, limits: ClockLimits = NONE) -> None:
         self.setup = setup
         self.digits, self.field = setup.digits - GUARD_DIGITS, setup.wide
         self.rolls = setup.problem.d != 0
         self._limits = limits
-        self._scouts = scouts or Scouts(setup)
         self._clocks: dict[int, PanelClock] = {}
         self._torus: LongClock | None = None
         self._least_work = 0.0
@@ -384,7 +382,7 @@ class BodyCarrier(Carrier):
         start = self.scaled(rough.unscaled(found))
         with setup.reals as reals:
             t, near = (abs(reals.number(x)) for x in (time, start))
-            tau = OneTime(setup, sign, scouts=self._scouts).tau(t, near, self.point)
+            tau = OneTime(setup, sign).tau(t, near, self.point)
             return None if tau is None else reals.element(setup.wide, sign * tau)
 
     def times(self, tau: list[Real], digits: int) -> list[Real]:
@@ -406,7 +404,7 @@ class BodyCarrier(Carrier):
 
     def _clock(self, sign: int) -> PanelClock:
         if sign not in self._clocks:
-            self._clocks[sign] = PanelClock(self.setup, sign, self._limits, self._scouts)
+            self._clocks[sign] = PanelClock(self.setup, sign, self._limits)
         return self._clocks[sign]
 
     def _far(self, tau: list[Real]) -> LongClock | None:
@@ -460,8 +458,7 @@ class PreciseFlow(ManyDigits):
         # set-up later
         more = self.expected if limits.most < inf else 0
         setup = setup or Setup(body, *state.vectors, state.tilted, digits + more)
-        self._scouts = Scouts(setup)
-        super().__init__(digits, BodyCarrier(setup, limits, self._scouts))
+        super().__init__(digits, BodyCarrier(setup, limits))
 
     def carrier_of(self, digits: int) -> BodyCarrier:
-        return BodyCarrier(self._first.setup.finer(digits), self._limits, self._scouts)
+        return BodyCarrier(self._first.setup.finer(digits), self._limits)

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
-from math import ceil, inf
+from math import ceil, inf, log10
 from operator import mul
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, gauss_legendre, place_on
-from integrable.torus.panel_rates import PanelRates, Scouts
+from integrable.moving_point.translations import Translations
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
@@ -41,29 +42,32 @@ LIGHT = 1e-3
 # the last panel of :class:`OneTime` has the length τ·10^−END_DIGITS, so the start value of τ needs more than END_DIGITS
 # correct digits
 END_DIGITS = 12
+# the decrease of the Legendre coefficients of 1/g, up to the last one that exceeds LEAST_SEEN, is measured with as many
+# nodes as SCOUT_NODES says: first for a basic step (Setup.step_length), then for a longer panel
+SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
+SCOUT_BITS = 240
+# if all coefficients except the mean of 1/g are below FLAT times the mean, their decrease is measured relative to the
+# largest of them
+FLAT = 1e-6
+SAMPLES = range(0, 512, 61)
 
 
 class ClockLimits(NamedTuple):
-    """Limits on a clock: the number of values of 1/g between the start and a time, the number of digits, and whether
-    double-double numbers may be used where they suffice.
-    """
+    """Limits on a clock: the number of values of 1/g between the start and a time, and the number of digits."""
 
     most: float = inf
     digits: float = inf
-    compiled: bool = False
 
 
 NONE = ClockLimits()
 
 
 class Nodes(NamedTuple):
-    """Translations from the centre of a panel to its nodes, the same translations packed for :class:`PanelRates`, and
-    the ``roots`` of :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where that function would
-    lose digits.
+    """Translations from the centre of a panel to its nodes, and the ``roots`` of
+    :func:`integrable.moving_point.addition.upright_rates`. ``roots`` is None where that function would lose digits.
     """
 
     steps: list[Row]
-    packed: Any
     roots: list[Real] | None
 
 
@@ -71,18 +75,43 @@ class Unresolved(ArithmeticError):
     """Raised if the Legendre series of a cell has not converged."""
 
 
-class RatePanels:
-    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` measure
-    how fast its Legendre coefficients decay, and may be shared by the clocks of a motion.
+def digits_a_node(setup: Setup, sign: int, length: int) -> float:
+    """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease, on the worst of some
+    panels of ``length`` steps (Setup.step_length); ``sign`` is the direction of time. It is measured once for a motion.
     """
+    if (sign, length) not in setup.decays:
+        sizes = _sizes(setup, sign, length)
+        most = max(sizes[1:])
+        if 0 < most < FLAT:
+            sizes = [size / most for size in sizes]
+        last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
+        setup.decays[sign, length] = -log10(max(sizes[last], LEAST_SEEN)) / last
+    return setup.decays[sign, length]
 
-    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
+
+def _sizes(setup: Setup, sign: int, length: int) -> list[float]:
+    """The largest size of each Legendre coefficient over some panels, relative to the coefficient of degree 0."""
+    problem, bare, reals = setup.problem, setup.bare, BareReals(SCOUT_BITS)
+    series = LegendreSeries(reals, SCOUT_NODES[length > 1])
+    translations = Translations(reals, problem.f, problem.axes, problem.half_step)
+    steps, sizes = translations.at_nodes(series.nodes, sign * length), [0.0] * len(series.nodes)
+    for cell in SAMPLES:
+        point = setup.reached(sign, cell)
+        with reals:
+            values = [addition.rate_after(bare.f, bare.axes, point, step) for step in steps]
+            found = [abs(float(c)) for c in series.coefficients(values)]
+        sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
+    return sizes
+
+
+class RatePanels:
+    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup."""
+
+    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE) -> None:
         self._setup = setup
         self._sign = sign
         self._digits = min(setup.digits, limits.digits)
-        self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
-        self._scouts = Scouts(setup) if scouts is None else scouts
 
     def _at_nodes(self, nodes: list[Real], length: Real) -> Nodes:
         """The :class:`Nodes` of a panel of ``length`` cells; ``nodes`` lie in [−1, 1], symmetric about 0, and do not
@@ -93,15 +122,10 @@ class RatePanels:
         if not self._setup.tilt and min(1 - d * x for x in self._setup.bare.axes[:3]) > LIGHT:
             with self._setup.reals:
                 roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
-        return Nodes(steps, self._compiled and self._compiled.steps(steps), roots)
+        return Nodes(steps, roots)
 
     def _rates_at(self, point: Row, nodes: Nodes) -> list[Real]:
         bare = self._setup.bare
-        if self._compiled:
-            found = self._compiled.around(point, nodes.steps, nodes.packed)
-            if found is not None:
-                zero = 0 * self._half
-                return [zero + high + low for high, low in found.tolist()]
         if nodes.roots is not None:
             return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
         return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
@@ -109,12 +133,6 @@ class RatePanels:
     def _node_count(self, rate: float) -> int:
         """An even number of nodes that suffices for the clock's digits if each node adds ``rate`` digits."""
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
-
-    def _digits_a_node(self, length: int) -> float:
-        """The number of decimal digits per degree by which the Legendre coefficients of 1/g decrease on a panel of
-        ``length`` basic steps.
-        """
-        return self._scouts.digits_a_node(self._sign, length)
 
     def _resolves(self, first: Real, tail: list[Real], digits: float) -> bool:
         """Whether the last coefficients of a series are negligible relative to its first."""
@@ -131,10 +149,10 @@ class PanelClock(RatePanels):
     for Legendre series with at most 6 nodes per digit, or if a time needs more values of 1/g than ``limits`` allow.
     """
 
-    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
-        super().__init__(setup, sign, limits, scouts)
+    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE) -> None:
+        super().__init__(setup, sign, limits)
         self._most = limits.most
-        self._use(self._node_count(self._digits_a_node(1)))
+        self._use(self._node_count(digits_a_node(self._setup, self._sign, 1)))
         self._long: tuple[Nodes, list[Real]] | None = None
 
     def place(self, t: Real) -> tuple[int, Real]:
@@ -250,12 +268,14 @@ class PanelClock(RatePanels):
             )
 
     def _long_panels(self) -> bool:
-        return self._digits_a_node(LONG) > SLOWEST_LONG
+        return digits_a_node(self._setup, self._sign, LONG) > SLOWEST_LONG
 
     def _long_rule(self) -> tuple[Nodes, list[Real]]:
         """The nodes, as translations, and the weights of the rule of a long panel."""
         if self._long is None:
-            x, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(LONG)))
+            x, weights = gauss_legendre(
+                self._setup.reals, self._node_count(2 * digits_a_node(self._setup, self._sign, LONG))
+            )
             self._long = self._at_nodes(x, LONG), weights
         return self._long
 
@@ -306,7 +326,9 @@ class OneTime(RatePanels):
     def _time(self, tau: Real, point: Callable[[Real], Row]) -> Real | None:
         """The physical time at τ > 0, by a Gauss rule on panels that are no longer than a cell."""
         count = ceil(float(tau / (2 * self._half)))
-        nodes, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(1)))
+        nodes, weights = gauss_legendre(
+            self._setup.reals, self._node_count(2 * digits_a_node(self._setup, self._sign, 1))
+        )
         n, panel = len(nodes), tau / (2 * count)
         steps, total = self._at_nodes(nodes, panel / self._half), 0 * tau
         # ``last`` is w_i·P_(n − 1)(x_i), from P_(n − 1)² = 2(1 − x²)/(n²w) at the nodes; ``other`` is w_i·P_(n −

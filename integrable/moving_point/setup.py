@@ -45,10 +45,14 @@ class Setup:
         self.body = body
         self._gamma, self._M, self._tilted = gamma, M, tilted
         self._passed: dict[int, tuple[Real, ...]] = {}
+        # the results of integrable.motion.precise_clock.digits_a_node, for this motion with any number of digits
+        self.decays: dict[tuple[int, int], float] = {}
 
     def finer(self, digits: int) -> Setup:
         """The same motion with another number of digits, guard digits excluded."""
-        return Setup(self.body, self._gamma, self._M, self._tilted, digits)
+        found = Setup(self.body, self._gamma, self._M, self._tilted, digits)
+        found.decays = self.decays
+        return found
 
     @cached_property
     def wide(self) -> MultiprecisionField:

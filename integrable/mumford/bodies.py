@@ -16,29 +16,36 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
-from math import ceil, hypot, log10
-from typing import Any
+from math import ceil, hypot, log2, log10
+from typing import Any, NamedTuple
 
-from integrable.mumford.body_clocks import SPARE, RateSource, WalkedClock
-from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
-from integrable.mumford.motion import Start
+import numpy as np
+
+from integrable.mumford.flow import BY_ADDITIONS, SERIES, MumfordFlow, Point, element
+from integrable.mumford.motion import Start, Vectors, settled_digits
 from integrable.mumford.surfaces import SurfaceSystem
 from integrable.mumford.system import IntegralsByName, Spectral, all_of
+from integrable.mumford.taylor import integrate
 from integrable.mumford.theta_torus import Rate, ThetaTorus
 from integrable.phase.body import Vector, cross
 from integrable.phase.enclosure import Enclosure
-from integrable.phase.ways import Cost
+from integrable.phase.ways import Cost, StatesReached
 from integrable.portrait.point_ovals import Form, Separation
+from integrable.series.tape import recorded
 from integrable.torus.lattice import RateCurve
 from integrable.torus.long_clock import LongClock
 from integrable.torus.oval_modes import modes_of_rate
 from jacobian import MP, RR, poly
 from jacobian.element import FormulaField, Real, Value
-from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
+from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
+# guard digits of the field in which a clock is computed
+SPARE = 20
 # guard digits of τ; far times get more, in steps of DIGITS_APART, so that few series are computed
 GUARD, DIGITS_APART = 6, 4
 # largest rotation, in radians, for which a clock is set up
@@ -46,15 +53,27 @@ FARTHEST = 1e100
 # periods lose DIGITS_A_GAP digits for each leading digit that two branch points share; up to MOST_SHARED shared digits
 # are counted
 DIGITS_A_GAP, MOST_SHARED = 3, 100
-# approximate length of a panel of the clock on a separatrix, in radians
-STEP = 0.5
+# of the digits of long numbers, the number that the steps of an integration may lose
+STEP_DIGITS = 4
+
+
+class RateSource(NamedTuple):
+    """The data from which the modes of dt/dτ are made: a :class:`integrable.torus.oval_modes.ModesSource`."""
+
+    problem: RateCurve
+    wide: MultiprecisionField
+    reals: BareReals
+
+    def reached(self, sign: int, steps: int) -> tuple[Real, ...]:
+        """Never called: points of the motion would determine a sign on which dt/dτ does not depend."""
+        raise NotImplementedError
 
 
 class BodyFlow(MumfordFlow):
     """The motion of a body from a state. On a separatrix it is computed only at times near the start.
 
-    The flow computes τ at a given time from a Fourier series of t(τ), on a separatrix from quadratures, and then the
-    state at τ.
+    The flow computes τ at a given time from a Fourier series of t(τ), and then the state at τ. On a separatrix it
+    integrates the equations of motion.
     """
 
     system: BodySystem
@@ -62,12 +81,12 @@ class BodyFlow(MumfordFlow):
     _clock = None
 
     @cached_property
-    def _clocks(self) -> dict[int, LongClock | WalkedClock]:
-        """The last clock; its key is its number of digits."""
+    def _clocks(self) -> dict[int, LongClock | None]:
+        """The last clock, None where the ovals meet or nearly meet; its key is its number of digits."""
         return {}
 
-    def _places(self, times: list[Real]) -> list[Real]:
-        """The values of τ at the given times, with the digits that the state at the farthest time needs."""
+    def _clock_of(self, times: list[Real]) -> LongClock | None:
+        """The clock with the digits that the state at the farthest time needs."""
         last = max([abs(float(t)) for t in times], default=0.0)
         far = last * self._pace
         if not far < FARTHEST:
@@ -76,10 +95,37 @@ class BodyFlow(MumfordFlow):
                 "within reach"
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
-        # the clock is kept in a variable, since another thread may replace the dictionary
-        clock = self._clocks.get(digits) or self._made(digits)
-        vars(self)["_clocks"] = {digits: clock}
+        # the dictionary is kept in a variable, since another thread may replace it
+        clocks = self._clocks if digits in self._clocks else {digits: self._made(digits)}
+        vars(self)["_clocks"] = clocks
+        return clocks[digits]
+
+    def _places(self, times: list[Real]) -> list[Real]:
+        clock = self._clock_of(times)
+        assert clock
         return clock.tau(times)
+
+    def _by_additions(self, times: np.ndarray) -> StatesReached:
+        if self._clock_of(times.tolist()):
+            return super()._by_additions(times)
+        try:
+            found = settled_digits(lambda N: self._integrated(N, times), self.digits)
+        except Infeasible as error:
+            raise PrecisionLoss(f"this motion is on a separatrix or too near one for its clock, and {error}") from None
+        states = [[element(self.system.field, x) for x in vector] for vector in found]
+        return StatesReached(SERIES, np.array(states, dtype=times.dtype).reshape(len(times), 2, 3))
+
+    def _integrated(self, N: LongField, times: np.ndarray) -> Vectors:
+        """γ, then M, at each time, by Taylor series of the equations of motion."""
+        K, (gamma, M) = MP(int(N.bits / log2(10))), self._inner(N)
+
+        def rates(y: Sequence[Real]) -> list[Real]:
+            moved = self.system._vector_field(N, Point(tuple(y[:3]), tuple(y[3:])))
+            return [*moved.q, *moved.p]
+
+        given = [K.coerce(t) for t in times.tolist()]
+        rows = integrate(K, recorded(rates, 6), [*gamma, *M], given, K.dps - STEP_DIGITS)
+        return [[N.coerce(x) for x in row[k : k + 3]] for row in rows for k in (0, 3)]
 
     def _enclosed(self, times: list[Real], digits: int, in_tau: bool) -> Enclosure:
         if in_tau:
@@ -89,19 +135,14 @@ class BodyFlow(MumfordFlow):
             "values of τ, dt = √s dτ"
         )
 
-    def _made(self, digits: int) -> LongClock | WalkedClock:
-        K = MP(digits + SPARE)
+    def _made(self, digits: int) -> LongClock | None:
         try:
             wide = MP(digits + SPARE + self.system.close_digits(MP(digits + MOST_SHARED)))
             curve, (first, second) = self.system._rate_curve(wide, self._inner(wide))
             source, unit = RateSource(curve, wide, BareReals(wide.context.prec)), 1 / abs(first)
             return LongClock(modes_of_rate(source, digits, (first * unit, second * unit)), digits, wide, unit)
         except PrecisionLoss:
-            # the ovals meet or nearly meet, and no Fourier series resolves t(τ)
-            reals = BareReals(K.context.prec)
-            fastest = float(max(self.system._weights(RR))) ** 0.5
-            length = STEP / (self._pace * fastest)
-            return WalkedClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
+            return None
 
     def _made_torus(self) -> ThetaTorus:
         return ThetaTorus(self._place, self.system._rate_at)
@@ -237,9 +278,3 @@ class BodySystem(SurfaceSystem):
         start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
         axes, zeta = (*alphas, *[N.one] * 4, N.zero), 1 - (p + q * h1 / h2) / size
         return RateCurve(axes, zeta, N.one, start, N.zero), (pace, pace * (1 - p / size))
-
-
-def _rate(N: FormulaField, D: Extended) -> tuple[tuple[Real]]:
-    """The rate dt/dτ at a divisor, computed from its lifts."""
-    sigma = [datum[1] for datum in D.data]
-    return ((1 / N.sqrt(N.dot(sigma, sigma)),),)

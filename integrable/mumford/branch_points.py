@@ -4,26 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
-from math import prod, sqrt
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.addition import Row
-from integrable.moving_point.compiled import SPECIAL
 from integrable.mumford.fields import cofactor
 from jacobian import RR, poly
 from jacobian.element import Complex, Real
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
-from jacobian.native.kinds import FLOATS
-from jacobian.native.library import Library
 from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 
-# Laguerre's method takes at most ROUGH_STEPS steps to a root in floats; there the polynomial is at most ROUGH times the
-# sum of the absolute values of its terms
-ROUGH_STEPS, ROUGH = 60, 1e-13
 # Newton's method takes at most NEWTON_STEPS steps to a root in long numbers; floats do not separate two roots whose
 # distance is at most CLOSE times the largest root
 NEWTON_STEPS, CLOSE = 20, 1e-9
@@ -40,9 +33,12 @@ def long_roots(N: LongField, f: poly.Poly, known: Sequence[Complex]) -> list[Com
     Real roots are real numbers. PrecisionLoss if floats do not separate two roots that are not known.
     """
     rest = poly.quotient(N, f, poly.from_roots(N, known))
-    slope, degree, out = poly.derivative(N, rest), len(rest) - 1, np.empty(2 * len(rest) - 2)
-    if LIBRARY.real_roots(np.array([*map(float, rest)]), out):
-        found = [*known, *(polished(N, rest, slope, N.coerce(x)) for x in out[:degree].tolist())]
+    slope, floats = poly.derivative(N, rest), np.array([*map(float, rest)])
+    if not (np.isfinite(floats).all() and floats[-1]):
+        raise PrecisionLoss("the curve of this motion has coefficients beyond the range of floats")
+    eigenvalues = np.roots(floats[::-1])
+    if not eigenvalues.imag.any():
+        found = [*known, *(polished(N, rest, slope, N.coerce(x)) for x in eigenvalues.real.tolist())]
         # if a root was found twice, the sum of the roots is wrong
         if not abs(sum(found) + f[-2] / f[-1]) > N.root_of_eps * max(map(abs, found)):
             check_apart(known, found[len(known) :])
@@ -67,49 +63,6 @@ def check_apart(known: Sequence[Complex], found: Sequence[Complex]) -> None:
     size = max(map(abs, [*map(complex, known), *rough]))
     if any(abs(x - y) <= CLOSE * size for i, x in enumerate(rough) for y in rough[:i]):
         raise PrecisionLoss("two branch points are not told apart")
-
-
-def real_roots(f: Row, out: Row) -> bool:
-    """Writes the roots of a real polynomial to ``out`` in descending order, and returns whether all are real.
-
-    Laguerre's method starts above all roots; if all are real, it converges to the largest one. The second half of
-    ``out`` is working memory.
-    """
-    degree = len(f) - 1
-    for k in range(degree):
-        out[degree + k] = f[k] / f[degree]
-    for n in range(degree, 0, -1):
-        # n real roots with the mean m are at most m + √((n − 1)·variance) (Samuelson)
-        mean, square, top = -out[degree + n - 1] / n, 0.0, 1.0
-        if n > 1:
-            square = (n - 1) * (mean * mean * (n - 1) - 2 * out[degree + n - 2] / n)
-        if square < 0:
-            return False
-        x = mean + sqrt(square)
-        for _ in range(ROUGH_STEPS):
-            value, slope, bend = 1.0, 0.0, 0.0
-            for k in range(n - 1, -1, -1):
-                bend, slope, value = bend * x + slope, slope * x + value, value * x + out[degree + k]
-            under = (n - 1) * ((n - 1) * slope * slope - 2 * n * value * bend)
-            if under < 0 or slope <= 0:
-                break
-            move = n * value / (slope + sqrt(under))
-            x -= move
-            if abs(move) <= 1e-15 * abs(x):
-                break
-        value, size = 1.0, 1.0
-        for k in range(n - 1, -1, -1):
-            value, size = value * x + out[degree + k], size * abs(x) + abs(out[degree + k])
-        if not abs(value) <= ROUGH * size:
-            return False
-        out[degree - n] = x
-        for k in range(n - 1, -1, -1):
-            # Horner's scheme divides the polynomial by the linear factor of the root x
-            top, out[degree + k] = out[degree + k] + x * top, top
-    return True
-
-
-LIBRARY = Library("branch_points", {"real_roots": (real_roots, (FLOATS, FLOATS))}, SPECIAL)
 
 
 def coincident(N: LongField, points: Sequence[Complex]) -> list[int]:

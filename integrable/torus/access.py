@@ -115,8 +115,11 @@ class BodyTorus:
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
-        out = np.empty(6 * len(phases))
-        self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
+        return self._read(self.loops.exact(phases.ravel()))
+
+    def _read(self, phases: Row) -> np.ndarray:
+        """γ and M, shape (N, 6), at N pairs of phases in the precision of the loops."""
+        self.loops.states_at_phases(self.torus, phases, out := np.empty(3 * len(phases)))
         return out.reshape(-1, 6)
 
     def first_grid(self) -> tuple[int, int]:
@@ -237,10 +240,10 @@ class TorusFlow(BodyTorus):
     def _rows_of_clock(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         assert self.clock
         check_turns(times, self._turns_in_t, self.clock.most)
-        return self.clock.at(self.torus, times)
+        phases, tau, delays = self.clock.phases(times)
+        return self._read(phases), tau, delays
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
         check_turns(tau, self._turns)
-        out = np.empty(6 * len(tau))
-        self.loops.states_at_tau(self.torus, self.rates, tau, out)
-        return out.reshape(-1, 6)
+        self.loops.phases_at(self.rates, tau, phases := self.loops.room(2 * len(tau)))
+        return self._read(phases)

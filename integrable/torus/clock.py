@@ -17,10 +17,8 @@ from integrable.torus.clock_modes import MOST_LOUD, Cutoffs, Tables
 from integrable.torus.lifts import TOGETHER, RateSums, Torus
 from integrable.torus.loops import Loops
 from integrable.torus.series import in_resonance
-from integrable.torus.states import BodyStates
 from integrable.torus.theta_series import float_circle
 from jacobian.errors import PrecisionLoss
-from jacobian.native.library import Packed
 
 # a first grid has at least this many points in each direction
 FIRST_SIZE = 16
@@ -212,28 +210,19 @@ class TorusClock:
         self._clock = loops.packed(Clock(doubled, *series, pace, loops.circle, float_circle()))
         self.most = MOST_TURNS / max(1.0, series[1].bound * float(np.abs(loops.floats(rates[:2])).max()) / 2)
 
-    def at(self, torus: BodyStates | Packed, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(γ and M, τ, τ − t·(mean dτ/dt)) at physical times, of shapes (N, 6), (N,) and (N,). ``torus`` is packed."""
-        out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
-        room, phases = self._room(len(times)), self._loops.room(2 * len(times))
-        self._loops.states_at_times(torus, self._clock, times, (tau, delays, out), room, phases)
-        return out.reshape(-1, 6), tau, delays
-
-    def phases(self, times: np.ndarray) -> tuple[Row, np.ndarray]:
-        """(phases in turns modulo 2, τ) at physical times; the two phases of a time are adjacent."""
+    def phases(self, times: np.ndarray) -> tuple[Row, np.ndarray, np.ndarray]:
+        """(phases in turns modulo 2, τ, τ − t·(mean dτ/dt)) at physical times; the phases of a time are adjacent."""
         phases, tau, delays = self._loops.room(2 * len(times)), np.empty(len(times)), np.empty(len(times))
         given = np.ascontiguousarray(times, dtype=np.float64)
-        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), self._room(len(times)))
-        return phases, tau
+        room = ClockRoom._make([*np.empty((5, len(times))), self._loops.room(len(times))])
+        self._loops.phases_at_times(self._clock, given, (phases, tau, delays), room)
+        return phases, tau, delays
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         times = np.empty(len(tau))
         self._loops.times_at_tau(self._clock, tau, times)
         return times
-
-    def _room(self, count: int) -> ClockRoom:
-        return ClockRoom._make([*np.empty((5, count)), self._loops.room(count)])
 
 
 def series_between(

@@ -8,7 +8,7 @@ from math import floor
 from typing import NamedTuple
 
 from integrable.moving_point.addition import Real, Row
-from integrable.torus.states import BodyStates, states_at, whole_turns
+from integrable.torus.states import whole_turns
 from integrable.torus.theta_series import circle
 from jacobian.numbers.abreast import abreast
 
@@ -71,18 +71,6 @@ class ClockRoom(NamedTuple):
     steps: Row
     errors: Row
     offsets: Row
-
-
-def states_at_times(
-    body: BodyStates, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: ClockRoom, phases: Row
-) -> None:
-    """Writes three arrays for physical times t into ``found``: τ; τ − t·(mean dτ/dt); γ and M, six floats for each t.
-
-    ``phases`` is memory for two phases at each time.
-    """
-    tau, delays, out = found
-    phases_at_times(clock, times, (phases, tau, delays), room)
-    states_at(body, phases, out)
 
 
 def phases_at_times(clock: Clock, times: Row, found: tuple[Row, Row, Row], room: ClockRoom) -> None:

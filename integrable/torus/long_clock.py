@@ -58,9 +58,10 @@ class LongClock:
         return [self._scale * (t * self.mean + self._slowly(t) + swing) for t, swing in zip(tau, swings, strict=True)]
 
     def tau(self, times: list[Real]) -> list[Real]:
-        """τ at every t."""
+        """τ at every t; exactly 0 at 0."""
         starts = [self._start(self.wide.coerce(t) / self._scale) for t in times]
-        return [self._scale * (start + shift) for start, shift in zip(starts, self._shifts(starts), strict=True)]
+        shifts = self._shifts(starts)
+        return [self._scale * (x + shift) if x else x for x, shift in zip(starts, shifts, strict=True)]
 
     def _slowly(self, tau: Real) -> Real:
         """The contribution of the slow modes to t at τ."""

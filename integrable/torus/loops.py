@@ -21,6 +21,7 @@ from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.native.library import Packed
 from jacobian.numbers.double_double import EPS, double_double_row
 from jacobian.numbers.fourier import circle_of
+from jacobian.numbers.long_reals import BareReals
 from jacobian.periods.real_basis import Whole
 
 if TYPE_CHECKING:
@@ -35,28 +36,14 @@ _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0)])
 
 
 # for each interpreted loop, which of its arguments are passed as lists: the arrays of floats that it only reads
-READ = {
-    "phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "states_at_phases": (1,), "states_at_tau": (2,),
-    "states_at_times": (2,), "times_at_tau": (1,),
-}  # fmt: skip
+READ = {"phases_at": (1,), "phases_at_times": (1,), "placed": (5,), "times_at_tau": (1,)}
 
 
-class ReadableLoops:
-    """The loops of :mod:`integrable.torus.states` interpreted, on lists of numbers of the set-up's wide precision;
-    results are accurate to ``digits``.
-    """
+class ReadableNumbers:
+    """Rows of bare reals, for interpreted loops."""
 
-    def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
-        self.reals = setup.reals
-        bits = self.reals.bits
-        # iterations for periods converge quadratically and end when an oval or a difference of means is below ``short``
-        self.short = float(setup.wide.eps) ** 0.5 / 16
-        # the size of rounding errors in 1/g, at which its Fourier series ends
-        self.noise = 10.0**-digits
-        self.depth, self.nudge = bits * log(2) / pi, 2.0 ** -(2 * bits // 5)
-        # ovals that are points are opened to this length, relative to the largest difference of the branch points α_i
-        self.closest = 2.0 ** (16 - bits)
-        self.circle = theta_series.circle_numbers(self.reals, bits)
+    def __init__(self, reals: BareReals) -> None:
+        self.reals = reals
 
     def packed(self, value: Any) -> Any:
         """The NamedTuple ``value`` with lists in place of arrays, because interpreted loops read lists faster."""
@@ -68,20 +55,14 @@ class ReadableLoops:
         """A row of ``values``, numbers of any kind, converted to the precision of the loops."""
         return list(self.reals.row(values))
 
+    def exact(self, values: np.ndarray) -> Row:
+        """A row of floats."""
+        row: Row = values.tolist()
+        return row
+
     def integers(self, values: Iterable[int]) -> Row:
         """The integers as loops take them: a list if interpreted, an array if compiled."""
         return list(values)
-
-    def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
-        """The spectrum that :func:`integrable.torus.clock_modes.spectrum_of_samples` writes, and its result."""
-        (rows, columns), size = samples.shape, max(samples.shape)
-        rooms, room = [self.room((rows + 2) * columns) for _ in range(3)], [0.0] * (rows // 2 + columns // 2 + 2)
-        with self.reals:
-            turns = [self.reals.number(-k) / size for k in range(size // 2)]
-            circle = [part for x in turns for part in theta_series.circle(x, self.circle)]
-            grid, values = (rows, columns), samples.ravel().tolist()
-            wanted = clock_modes.spectrum_of_samples(values, grid, noise, circle, (rooms[0], rooms[1], rooms[2]), room)
-        return rooms[2], wanted
 
     def room(self, count: int) -> Row:
         """Memory for ``count`` numbers."""
@@ -99,6 +80,35 @@ class ReadableLoops:
         """The numbers of a row as an array, whose rows and columns are ``sizes``."""
         return np.array(values, dtype=object).reshape(sizes)
 
+
+class ReadableLoops(ReadableNumbers):
+    """The loops of :mod:`integrable.torus.states` interpreted, on lists of numbers of the set-up's wide precision;
+    results are accurate to ``digits``.
+    """
+
+    def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
+        super().__init__(setup.reals)
+        bits = self.reals.bits
+        # iterations for periods converge quadratically and end when an oval or a difference of means is below ``short``
+        self.short = float(setup.wide.eps) ** 0.5 / 16
+        # the size of rounding errors in 1/g, at which its Fourier series ends
+        self.noise = 10.0**-digits
+        self.depth, self.nudge = bits * log(2) / pi, 2.0 ** -(2 * bits // 5)
+        # ovals that are points are opened to this length, relative to the largest difference of the branch points α_i
+        self.closest = 2.0 ** (16 - bits)
+        self.circle = theta_series.circle_numbers(self.reals, bits)
+
+    def spectrum(self, samples: np.ndarray, noise: tuple[float, float]) -> tuple[Row, tuple[int, int]]:
+        """The spectrum that :func:`integrable.torus.clock_modes.spectrum_of_samples` writes, and its result."""
+        (rows, columns), size = samples.shape, max(samples.shape)
+        rooms, room = [self.room((rows + 2) * columns) for _ in range(3)], [0.0] * (rows // 2 + columns // 2 + 2)
+        with self.reals:
+            turns = [self.reals.number(-k) / size for k in range(size // 2)]
+            circle = [part for x in turns for part in theta_series.circle(x, self.circle)]
+            grid, values = (rows, columns), samples.ravel().tolist()
+            wanted = clock_modes.spectrum_of_samples(values, grid, noise, circle, (rooms[0], rooms[1], rooms[2]), room)
+        return rooms[2], wanted
+
     def __getattr__(self, name: str) -> Any:
         """The interpreted loop ``name``, which computes in the precision of the set-up."""
         if name not in LOOPS:
@@ -115,7 +125,39 @@ class ReadableLoops:
         return beginning(setup, self)
 
 
-class CompiledLoops:
+class CompiledNumbers:
+    """Rows of double-doubles, for compiled loops; the methods are those of :class:`ReadableNumbers`."""
+
+    def packed(self, value: Any) -> Any:
+        return Packed(value, KINDS[type(value)])
+
+    def row(self, values: Iterable[Real]) -> Row:
+        return double_double_row(values).reshape(-1, 2)
+
+    def exact(self, values: np.ndarray) -> Row:
+        row = np.zeros((len(values), 2))
+        row[:, 0] = values
+        return row
+
+    def integers(self, values: Iterable[int]) -> Row:
+        return np.fromiter(values, dtype=np.int64)
+
+    def room(self, count: int) -> Row:
+        return np.zeros((count, 2))
+
+    def wide(self, values: Row, field: MultiprecisionField) -> tuple[Real, ...]:
+        if not np.isfinite(values).all():
+            raise PrecisionLoss(BEYOND)
+        return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
+
+    def floats(self, values: Row) -> np.ndarray:
+        return np.ascontiguousarray(values[:, 0])
+
+    def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
+        return values.reshape(*sizes, 2)
+
+
+class CompiledLoops(CompiledNumbers):
     """The compiled loops, on arrays of double-double numbers."""
 
     noise = 1e-15
@@ -130,15 +172,6 @@ class CompiledLoops:
     @property
     def circle(self) -> Row:
         return theta_series.inverse_factorials()
-
-    def packed(self, value: Any) -> Any:
-        return Packed(value, KINDS[type(value)])
-
-    def row(self, values: Iterable[Real]) -> Row:
-        return double_double_row(values).reshape(-1, 2)
-
-    def integers(self, values: Iterable[int]) -> Row:
-        return np.fromiter(values, dtype=np.int64)
 
     def begun(self, setup: Setup) -> Beginning:
         """The rows of numbers from which the torus of a motion is made. They are computed in more digits than
@@ -159,20 +192,6 @@ class CompiledLoops:
         size, circle = rows * columns, circle_of(max(rows, columns))
         wanted = LIBRARY.spectrum(samples.reshape(size, 2), (rows, columns), noise, circle, (*rooms,), room)
         return rooms[2], wanted
-
-    def room(self, count: int) -> Row:
-        return np.zeros((count, 2))
-
-    def wide(self, values: Row, field: MultiprecisionField) -> tuple[Real, ...]:
-        if not np.isfinite(values).all():
-            raise PrecisionLoss(BEYOND)
-        return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
-
-    def floats(self, values: Row) -> np.ndarray:
-        return np.ascontiguousarray(values[:, 0])
-
-    def samples(self, values: Row, sizes: tuple[int, int]) -> np.ndarray:
-        return values.reshape(*sizes, 2)
 
 
 Loops = ReadableLoops | CompiledLoops

@@ -31,8 +31,8 @@ ONE_THREAD, FEWEST = 1 << 15, 4
 TINY = 1e-290
 # the size up to which transforms of long numbers are direct sums
 SHORT = 8
-# a mode in floats has the error ROUNDED per turn of its phase; sums of many digits have SPARE_BITS guard bits
-ROUNDED, SPARE_BITS = 1e-15, 40
+# guard bits of sums of many digits
+SPARE_BITS = 40
 
 
 class TorusSeries:
@@ -124,13 +124,12 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
 
 
 class SeriesLevel(NamedTuple):
-    """The modes of a :class:`LongSeries` needed for a number of digits. ``modes`` is the block of the large modes
-    (k, m), k ≥ 0 and m ≥ ``first``, in balls of ``bits`` bits. ``tail`` has the modes for which floats suffice.
+    """The modes of a :class:`LongSeries` needed for a number of digits: the block ``modes`` of the (k, m) that are not
+    too small, k ≥ 0 and m ≥ ``first``, in balls of ``bits`` bits.
     """
 
     first: int
     modes: acb_mat
-    tail: np.ndarray
     bits: int
 
 
@@ -184,51 +183,30 @@ class LongSeries:
         level, found = self._levels[digits], []
         for begin in range(0, len(angles), TOGETHER):
             some = angles[begin : begin + TOGETHER]
-            first, second = np.array(some, dtype=float).T
-            tails = self.rough._sums(first, second, level.tail)[0].tolist() if level.tail.size else [0.0] * len(some)
             with self._balls.at(level.bits):
                 left, right = zip(*(map(self._circle, pair) for pair in some), strict=True)
                 down = self._flint.acb_mat([powers(z**0, z, level.modes.nrows()) for z in left]) * level.modes
-                for row, z, tail in zip(down.table(), right, tails, strict=True):
+                for row, z in zip(down.table(), right, strict=True):
                     total = self._flint.acb_poly(row)(z) * z**level.first
-                    found.append(self._balls.element(self._field, total.real - self._origin + tail))
+                    found.append(self._balls.element(self._field, total.real - self._origin))
         return found
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for this many digits, None for all. The smallest modes are left to floats, and with ``digits``
-        some are dropped, as long as the total error is at most half a unit of the last digit.
+        """The modes for this many digits, None for all. The others are together at most a quarter of a unit of the last
+        digit.
         """
+        kept, bits, middle = self._kept, self._balls.bits, -self.rough._first
         noise = self._noise if digits is None else 10.0**-digits
-        kept, tail, bits = self._kept.copy(), np.zeros((0, 0)), self._balls.bits
         if noise > TINY:
             bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
-            swing = np.abs(self.rough._swing)
-            if digits is not None:
-                kept &= ~_adding_up(swing, noise * self._size / 4)
-            turns = np.add.outer(np.arange(swing.shape[0]), np.abs(np.arange(swing.shape[1]) + self.rough._first))
-            small = kept & _adding_up(swing * (1 + turns) * ROUNDED, noise * self._size / 4)
-            tail = np.where(small, self.rough._swing, 0)
-            kept &= ~small
-        chosen, used = np.flatnonzero(kept.any(axis=0)), np.flatnonzero(kept.any(axis=1))
-        middle = -self.rough._first
-        least, end, height = (
-            (int(chosen[0]), int(chosen[-1]) + 1, int(used[-1]) + 1) if len(used) else (middle, middle + 1, 1)
-        )
-        zero = self._flint.acb(0)
-        modes = [[self._modes[k][m] if kept[k, m] else zero for m in range(least, end)] for k in range(height)]
-        return SeriesLevel(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
+            kept = kept & (np.abs(self.rough._swing) > noise * self._size / (4 * kept.size))
+        rows, columns = (np.flatnonzero(kept.any(axis=1 - k)).tolist() or [k * middle] for k in range(2))
+        modes = [row[columns[0] : columns[-1] + 1] for row in self._modes[: rows[-1] + 1]]
+        return SeriesLevel(columns[0] - middle, self._flint.acb_mat(modes), bits)
 
     def _circle(self, angle: Real) -> acb:
         x = 2 * self._balls.number(angle)
         return self._flint.acb(x.cos_pi(), x.sin_pi())
-
-
-def _adding_up(sizes: np.ndarray, most: float) -> np.ndarray:
-    """The mask of the smallest sizes whose sum is at most ``most``."""
-    order = np.argsort(sizes, axis=None)
-    small = np.zeros(sizes.size, dtype=bool)
-    small[order[np.cumsum(sizes.ravel()[order]) <= most]] = True
-    return small.reshape(sizes.shape)
 
 
 def powers(first: acb, base: acb, count: int) -> list[acb]:

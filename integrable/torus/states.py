@@ -64,14 +64,10 @@ def states_at(body: BodyStates, phases: Row, out: Row) -> None:
         state_at(body, phases[2 * i] + zero, phases[2 * i + 1] + zero, out, 6 * i)
 
 
-def states_at_tau(body: BodyStates, rates: Row, tau: Row, out: Row) -> None:
-    """Writes γ and M, six floats for each value of τ; ``rates`` begins with the turns of both phases per unit of τ."""
-    for i in abreast(0, len(tau)):
-        state_at(body, rates[0] * tau[i], rates[1] * tau[i], out, 6 * i)
-
-
 def phases_at(rates: Row, tau: Row, out: Row) -> None:
-    """Writes both phases at values of τ, in turns since the start, modulo 2; ``rates`` as in :func:`states_at_tau`."""
+    """Writes both phases at values of τ, in turns since the start, modulo 2; ``rates`` begins with the turns of both
+    phases per unit of τ.
+    """
     for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(rates[0] * tau[i])
         second, turn2 = whole_turns(rates[1] * tau[i])

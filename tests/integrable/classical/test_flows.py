@@ -262,7 +262,7 @@ def test_special_positions_of_axes(system, q, p) -> None:
     ],
 )
 def test_special_positions_of_veselova(q, p) -> None:
-    """If an oval is a point, the clock is still a series; if the two ovals have met, it is a quadrature."""
+    """If an oval is a point, the clock is still a series; if the two ovals have met, the equations are integrated."""
     system, fine = Veselova((1, 2, 4)), Veselova((1, 2, 4), MP(30))
     start = constrained(fine, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
     path = system.flow(system.state(*(list(map(float, x)) for x in start))).at([1.5, -1.5])
@@ -287,6 +287,17 @@ def test_times_far_along_a_separatrix_are_refused() -> None:
     system = Veselova((1, 2, 4))
     with pytest.raises(PrecisionLoss, match="on a separatrix"):
         system.flow(system.state((0.6, 0, 0.8), (0, 1, 0))).at(1e9)
+
+
+def test_thirty_digits_on_a_separatrix() -> None:
+    """About its middle axis a body turns uniformly; times as far as 30 were refused."""
+    system = Veselova((1, 2, 4), field=MP(30))
+    K, context, times = system.field, system.field.context, [30, -8, 0]
+    path = system.flow(system.state(("0.6", 0, "0.8"), (0, 1, 0))).at(times)
+    for time, q, p in zip(times, path.q, path.p, strict=True):
+        c, s, x, z = context.cos(K.one * time / 2), context.sin(K.one * time / 2), K.coerce("0.6"), K.coerce("0.8")
+        expected = (c * x - s * z, 0, s * x + c * z, 0, 1, 0)
+        assert max(abs(a - b) for a, b in zip((*q, *p), expected, strict=True)) < 1e-29
 
 
 def test_times_beyond_its_clock_are_refused() -> None:

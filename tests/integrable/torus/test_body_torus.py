@@ -197,7 +197,8 @@ def test_two_equal_moments_have_an_opened_oval() -> None:
             tau = np.array([0.5, -40.0, 1e6])
             precise = PreciseFlow(body if d else body.body, flow.state, 25)
             true = [[*map(float, gamma), *map(float, M)] for gamma, M in precise.vectors(precise.at_tau(tau.tolist()))]
-            torus.loops.states_at_tau(torus.torus, torus.rates, tau, found := np.empty(18))
+            torus.loops.phases_at(torus.rates, tau, phases := torus.loops.room(6))
+            found = torus._read(phases)
             assert np.abs(found.reshape(3, 6) - true).max() < 2e-15
 
 

@@ -8,9 +8,9 @@ from random import Random
 import pytest
 
 from integrable import Check, Gyroscopic, Hat, Tilde
-from integrable.deformations import taylor
 from integrable.deformations.carrier import widened
 from integrable.motion.near import right_hand_sides
+from integrable.mumford import taylor
 from integrable.series.tape import (
     CONSTANT,
     DIFFERENCE,
