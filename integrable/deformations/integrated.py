@@ -11,13 +11,14 @@ from integrable.deformations.carrier import GUARD_DIGITS, widened
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.hamiltonian_motion import HamiltonianMotion
 from integrable.motion.near import Integration, NearWalk, right_hand_sides
+from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.losses import digits_of
 from integrable.mumford.taylor import integrate
 from integrable.phase.jets import Jet, JetField
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
-from integrable.phase.ways import Cost, Way, rounded
+from integrable.phase.ways import Cost, InOrder, Way, rounded
 from integrable.portrait.differences import Inputs
 from integrable.portrait.sensitivity import Sensitivity
 from integrable.series.steps import INTEGRATED
@@ -67,6 +68,12 @@ class IntegratedMotion(HamiltonianMotion):
         yield NearWalk(self, BY_STEPS, INTEGRATED)
         yield self._equations
 
+    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
+        way.way = self.method
+        found = NearWalk(self, BY_STEPS, INTEGRATED).run(given, physical)
+        # rows that the integration reached before a refused time are kept
+        return self._equations.kept(given, physical, nan) if found is None else Rows(*found)
+
     def _by_variations(self, run: Trajectory) -> Sensitivity:
         inputs, names = self._inputs()
         matrix = rounded(self.system.field, self._equations.derivatives(run.times, inputs))
@@ -81,17 +88,29 @@ class IntegratedStates(Integration):
         self._system, self._state = widened(system, state, MP(self._asked + GUARD_DIGITS))
 
     def run(self, given: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
-        found = self._integrated(given, physical)
-        missing = max(self._missing([row[:6] for row in found]), default=0)
-        if missing > 0:
-            raise PrecisionLoss(
-                f"times: H and K of the motion as integrated are {missing} digits short; times nearer to 0 are within "
-                "reach, or an MP field of more digits"
-            )
-        rows = rounded(self._field, [row[:6] for row in found]).reshape(-1, 6)
-        return rows, rounded(self._field, [row[6] for row in found]) if self._system.body.rolls else given
+        found = self.kept(given, physical, 0.0, strict=True)
+        return found.rows, found.tau
 
-    def _integrated(self, given: np.ndarray, physical: bool) -> list[list[Real]]:
+    def kept(self, given: np.ndarray, physical: bool, nan: Real, strict: bool = False) -> Rows:
+        """The rows at the times ``given``; their attribute ``tau`` is τ. Unless ``physical``, ``given`` are values of
+        τ, and ``tau`` holds t. Refused rows are filled with ``nan``; if ``strict``, an error is raised instead.
+        """
+        refused: dict[int, str] = {}
+        found = self._integrated(given, physical, None if strict else refused)
+        had = [i for i in range(len(found)) if i not in refused]
+        for i, missing in zip(had, self._missing([found[i][:6] for i in had]), strict=True):
+            if missing > 0:
+                refused[i] = (
+                    f"times: H and K of the motion as integrated are {missing} digits short; times nearer to 0 are "
+                    "within reach, or an MP field of more digits"
+                )
+                if strict:
+                    raise PrecisionLoss(refused[i])
+        rows = rounded(self._field, [row[:6] for row in found]).reshape(-1, 6)
+        tau = rounded(self._field, [row[6] for row in found]) if self._system.body.rolls else given
+        return refused_rows(Rows(rows, tau), refused, nan)
+
+    def _integrated(self, given: np.ndarray, physical: bool, refused: dict[int, str] | None) -> list[list[Real]]:
         system, state, digits = self._system, self._state, self._asked + STEP_DIGITS
         wide = system.field
         start = [*state.row, *([wide.zero] if system.body.rolls else [])]
@@ -99,7 +118,7 @@ class IntegratedStates(Integration):
         times = [wide.context.ldexp(wide.coerce(x), exponent) for x in given.tolist()]
         unit = wide.context.ldexp(wide.one, -exponent)
         slowed = (lambda y: [unit * x for x in rates(y)]) if exponent else rates
-        return integrate(wide, recorded(slowed, len(start)), start, times, digits, float(unit))
+        return integrate(wide, recorded(slowed, len(start)), start, times, digits, refused, float(unit))
 
     def derivatives(self, given: np.ndarray, inputs: Inputs) -> np.ndarray:
         """The derivatives of (γ, M) at physical times with respect to the inputs, in mpf, (N, 6, inputs).
@@ -141,7 +160,7 @@ class IntegratedStates(Integration):
         begin = [*(jet.value for jet in start), *(jet.slopes[0] for jet in start)]
         times = [wide.context.ldexp(wide.coerce(x), exponent) for x in given]
         tape = recorded(rates, len(begin))
-        return np.array(integrate(wide, tape, begin, times, self._asked + VARIED_DIGITS, float(unit)))
+        return np.array(integrate(wide, tape, begin, times, self._asked + VARIED_DIGITS, None, float(unit)))
 
     @property
     def _exponent(self) -> int:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from integrable.files.exported import Exported
-from integrable.motion.refusals import common_reasons, kept_rows, refused_rows
+from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
 from integrable.phase.run import Run
 from integrable.phase.state import State
 from integrable.phase.ways import InOrder, Way, times_in
 from jacobian import RR
-from jacobian.element import Numbers
+from jacobian.element import Numbers, Real
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, flag, shown
 from jacobian.immutable import Immutable, at_once, read_only, replaced
 
@@ -105,6 +105,10 @@ class Motion(Immutable):
         """Raises NotRepresentable, because the system does not roll on a plane."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
+    def _kept(self, way: InOrder, given: np.ndarray, physical: bool, nan: Real) -> Rows:
+        """The rows that ``way`` computes; rows that it refuses are set to ``nan``."""
+        return kept_rows(lambda times: _computed(way, times, physical), given, nan)
+
     def _run(self, given: np.ndarray, strict: bool, physical: bool) -> Trajectory:
         way = InOrder(self._ways)
         times = given if physical or not self.system.body.rolls else None
@@ -115,7 +119,7 @@ class Motion(Immutable):
                 raise PrecisionLoss(f"row {off[0]}: {why}")
             return Trajectory(self, times, tau, rows, way.way)
         nan = np.nan if self.system.field is RR else self.system.field.context.nan
-        found = kept_rows(lambda times: _computed(way, times, physical), given, nan)
+        found = self._kept(way, given, physical, nan)
         had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
         off, why = self._off(found.rows[had], way.way)
         found = refused_rows(found, dict.fromkeys(had[off].tolist(), why), nan)

@@ -19,7 +19,7 @@ from integrable.torus.loops import CompiledNumbers, ReadableNumbers
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.fields.protocol import Field
-from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
+from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.compiler import interpreted
@@ -49,12 +49,13 @@ class SeriesRoom(NamedTuple):
 
 
 def march_along(
-    tape: tuple[Row, Row, Row, Row], order: int, tolerance: float, most: float, room: SeriesRoom, times: Row, out: Row,
+    tape: tuple[Row, Row, Row, Row], order: int, tolerance: float, most: float, strict: bool, room: SeriesRoom,
+    times: Row, out: Row,
 ) -> int:  # fmt: skip
     """Writes the variables at ``times``, which ascend or descend from 0, to ``out``, row by row.
 
     Returns 0 if all times are reached, otherwise the reason ENDS or FAR. ``tolerance`` is the logarithm of the error
-    allowed per step. ``most`` is the largest number of steps to the last time.
+    allowed per step. ``most`` is the largest number of steps: to the last time if ``strict``, otherwise to each time.
     """
     count, told, now = len(tape[3]), room.told, room.now
     expand_about(tape, order, tolerance, room)
@@ -64,7 +65,7 @@ def march_along(
             # the motion ends if a step, relative to the time reached, is below the error allowed per step
             if not told[STEP] > exp(tolerance) * max(told[LONGEST], abs(float(now[0]))):
                 return ENDS
-            if too_long(told, most, float(now[0]), float(times[len(times) - 1])):
+            if too_long(told, most, float(now[0]), float(times[len(times) - 1 if strict else i])):
                 return FAR
             step = told[STEP] if float(times[i]) > 0 else -told[STEP]
             values_at(0 * now[0] + step, order, room.series, count, room.middles, 0)
@@ -121,7 +122,9 @@ def too_long(told: Row, most: float, now: float, end: float) -> bool:
 
 
 _TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(SeriesRoom, WIDES, WIDES, WIDES, FLOATS)
-LIBRARY = Library("taylor_series", {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, _ROOM, WIDES, WIDES))}, SPECIAL)
+LIBRARY = Library(
+    "taylor_series", {"march": (march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES))}, SPECIAL
+)
 
 
 DOUBLE_DOUBLE = 28
@@ -134,13 +137,20 @@ INTERPRETED, COMPILED = (3e7, 500), (6e7, 3e4)
 
 
 def integrate(
-    field: Field, tape: Tape, start: Sequence[Real], times: Sequence[Real], digits: int, unit: float = 1.0
+    field: Field,
+    tape: Tape,
+    start: Sequence[Real],
+    times: Sequence[Real],
+    digits: int,
+    refused: dict[int, str] | None = None,
+    unit: float = 1.0,
 ) -> list[list[Real]]:
     """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of an MP field.
 
     The truncation error of a step is below 10^−digits, relative to the largest of the three variables of a vector.
     PrecisionLoss if steps shrink to 10^−digits of the first step or of the time, as at a singularity; Infeasible if
-    there would be too many steps. Errors state times multiplied by ``unit``, as the user gave them.
+    there would be too many steps. ``refused``, if given, receives the index and the reason of each time that fails.
+    Reasons state times multiplied by ``unit``, as the user gave them.
     """
     rows: list[list[Real]] = [list(start)] * len(times)
     compiled = digits <= DOUBLE_DOUBLE and not interpreted()
@@ -148,21 +158,32 @@ def integrate(
         order = sorted((i for i in range(len(times)) if sign * times[i] > 0), key=lambda i: abs(times[i]))
         if not order:
             continue
-        problem = field, tape, start, [times[i] for i in order], digits, unit
+        problem = field, tape, start, [times[i] for i in order], digits, refused is None, unit
         try:
-            found = _marched(compiled, *problem)
-        except ArgumentError:
+            found, why = _marched(compiled, *problem)
+        except (ArgumentError, PrecisionLoss):
             # some numbers are beyond the range of floats
-            found = _marched(False, *problem)
-        for i, row in zip(order, found, strict=True):
+            found, why = _marched(False, *problem)
+        for i, row in zip(order, found, strict=False):
             rows[i] = row
+        if why:
+            if refused is None:
+                raise why
+            refused.update(dict.fromkeys(order[len(found) :], str(why)))
     return rows
 
 
 def _marched(
-    compiled: bool, field: Any, tape: Tape, start: Sequence[Real], times: Sequence[Real], digits: int, unit: float
-) -> list[list[Real]]:
-    """The variables at ascending or descending times, by compiled or interpreted loops."""
+    compiled: bool,
+    field: Any,
+    tape: Tape,
+    start: Sequence[Real],
+    times: Sequence[Real],
+    digits: int,
+    strict: bool,
+    unit: float,
+) -> tuple[list[list[Real]], Exception | None]:
+    """The variables at the times that were reached, and the error that describes why later times were not, or None."""
     numbers, count = CompiledNumbers() if compiled else ReadableNumbers(BareReals(field.context.prec)), len(start)
     most_products, overhead = COMPILED if compiled else INTERPRETED
     # with steps of e⁻² times the radius of convergence, the neglected terms are of the size e^(−2·order)
@@ -175,20 +196,23 @@ def _marched(
     middles = numbers.row([*start, *constants[count:]])
     room = SeriesRoom(middles, numbers.room(1), numbers.room(len(middles) * (order + 1)), np.zeros(4))
     out = numbers.room(len(times) * count)
-    asked = codes, order, -digits * log(10), most, room, numbers.row(times), out
+    asked = codes, order, -digits * log(10), most, strict, room, numbers.row(times), out
     if isinstance(numbers, CompiledNumbers):
         status = LIBRARY.march(*asked)
     else:
         with numbers.reals:
             status = march_along(*asked)
-    now, reached = unit * float(numbers.floats(room.now)[0]), int(room.told[REACHED])
+    done = int(room.told[REACHED])
+    values = [list(numbers.wide(out[i * count : (i + 1) * count], field)) for i in range(done)]
+    if status == 0:
+        return values, None
+    now, time = unit * float(numbers.floats(room.now)[0]), unit * float(times[done])
     if status == ENDS:
-        raise PrecisionLoss(
-            f"times: the motion ends, or cannot be followed, near t = {now:g}, before {unit * float(times[reached]):g}"
+        return values, PrecisionLoss(
+            f"times: the motion ends, or cannot be followed, near t = {now:g}, before {time:g}"
         )
-    if status == FAR:
-        raise Infeasible(
-            f"times: the equations of motion are integrated, and t = {unit * float(times[-1]):g} takes more than "
-            f"{most:.0f} steps; about |t| = {abs(now) * most / room.told[STEPS]:.2g} is within reach"
-        )
-    return [list(numbers.wide(out[i * count : (i + 1) * count], field)) for i in range(len(times))]
+    end = unit * float(times[-1]) if strict else time
+    return values, Infeasible(
+        f"times: the equations of motion are integrated, and t = {end:g} takes more than {most:.0f} steps; about |t| = "
+        f"{abs(now) * most / room.told[STEPS]:.2g} is within reach"
+    )
