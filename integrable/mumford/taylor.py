@@ -173,6 +173,16 @@ def integrate(
     return rows
 
 
+def _refusal(status: int, now: float, end: float, most: float, within: float) -> Exception:
+    """The reason why a time ``end`` was not reached from the time ``now``."""
+    if status == ENDS:
+        return PrecisionLoss(f"times: the motion ends, or cannot be followed, near t = {now:g}, before {end:g}")
+    return Infeasible(
+        f"times: the equations of motion are integrated, and t = {end:g} takes more than {most:.0f} steps; about |t| = "
+        f"{within:.2g} is within reach"
+    )
+
+
 def _marched(
     compiled: bool,
     field: Any,
@@ -206,13 +216,5 @@ def _marched(
     values = [list(numbers.wide(out[i * count : (i + 1) * count], field)) for i in range(done)]
     if status == 0:
         return values, None
-    now, time = unit * float(numbers.floats(room.now)[0]), unit * float(times[done])
-    if status == ENDS:
-        return values, PrecisionLoss(
-            f"times: the motion ends, or cannot be followed, near t = {now:g}, before {time:g}"
-        )
-    end = unit * float(times[-1]) if strict else time
-    return values, Infeasible(
-        f"times: the equations of motion are integrated, and t = {end:g} takes more than {most:.0f} steps; about |t| = "
-        f"{abs(now) * most / room.told[STEPS]:.2g} is within reach"
-    )
+    now, end = unit * float(numbers.floats(room.now)[0]), unit * float(times[-1 if strict and status != ENDS else done])
+    return values, _refusal(status, now, end, most, abs(now) * most / room.told[STEPS])
