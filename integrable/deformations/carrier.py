@@ -2,7 +2,7 @@
 
 For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
 until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
-compared with those of the start. The farthest state is computed again with more digits, which also checks the signs of
+compared with those of the start, and the rate there with the equations of motion. The farthest state is computed again with more digits, which also checks the signs of
 γ and M. If k digits are missing, everything is repeated with k more; PrecisionLoss if this does not help.
 """
 
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
+from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.oval import Pace, height
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
@@ -33,6 +34,8 @@ ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
 SPARE_BITS = 16
 """A point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps."""
+OFF_COURSE = 1e-10
+"""Largest relative error of the rates at the start. Rounding and the finite step cause about 1e-13."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -107,6 +110,20 @@ class CurvesCarrier(Carrier):
         """(γ, M) of ``inner``, from R₁, R₂ and R₃ (:class:`EllipticOval`) on both curves."""
         first, second = ((*r, height(levels, r)) for r, levels in zip(roots, self.levels, strict=True))
         return self.read(self.field, self.inner, self.frame, first, second)
+
+    def on_course(self) -> bool:
+        """Whether the state at a small τ agrees with the equations of motion. The state at τ = 0, H and K show neither
+        the direction of the points nor their rates.
+        """
+        small = self.field.coerce(10) ** -(self.digits // 2 + 6)
+        rate = self.speed / self.period
+        rates, ahead = right_hand_sides(self.system, physical=False)(self.start.row), self.point(small / rate)
+        for vector, begin, true in zip(ahead, self.shown, (rates[:3], rates[3:6]), strict=True):
+            least = max(map(abs, true)) + abs(rate) * max(map(abs, begin)) / 1000
+            for x, y, slope in zip(vector, begin, true, strict=True):
+                if not abs((x - y) * rate / small - slope) <= OFF_COURSE * least:
+                    return False
+        return True
 
     def lost(self, tau: Real) -> int:
         return ceil((self.field.exponent(1 + self.turns(tau)) or 0) / log2(10))
@@ -189,12 +206,14 @@ class OnCurves(ManyDigits):
             with long_numbers(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
                 gap = carrier.difference(carrier.shown, carrier.start.vectors)
+                on_course = carrier.on_course()
             missing = gap + self.digits + SPARE
-            if missing <= 0:
+            if missing <= 0 and on_course:
                 return carrier
-            digits += min(missing, digits) + WIDER
+            digits += max(0, min(missing, digits)) + WIDER
         raise PrecisionLoss(
-            f"{shown(self._state)}: it is not found again from its two points even with {written(digits)} digits"
+            f"{shown(self._state)}: the state or its rate does not follow from its two points "
+            f"even with {written(digits)} digits"
         )
 
 
