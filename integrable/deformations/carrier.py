@@ -2,8 +2,9 @@
 
 For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
 until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
-compared with those of the start, and the rate there with the equations of motion. The farthest state is computed again with more digits, which also checks the signs of
-γ and M. If k digits are missing, everything is repeated with k more; PrecisionLoss if this does not help.
+compared with those of the start, and the rate there with the equations of motion. The farthest state is computed again
+with more digits, which also checks the signs of γ and M. If k digits are missing, everything is repeated with k more;
+PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations
