@@ -116,14 +116,13 @@ class CurvesCarrier(Carrier):
         """Whether the state at a small τ agrees with the equations of motion. The state at τ = 0, H and K show neither
         the direction of the points nor their rates.
         """
-        small = self.field.coerce(10) ** -(self.digits // 2 + 6)
-        rate = self.speed / self.period
+        small, rate = self.field.coerce(10) ** -(self.digits // 2 + 6), self.speed / self.period
         rates, ahead = right_hand_sides(self.system, physical=False)(self.start.row), self.point(small / rate)
         for vector, begin, true in zip(ahead, self.shown, (rates[:3], rates[3:6]), strict=True):
-            least = max(map(abs, true)) + abs(rate) * max(map(abs, begin)) / 1000
-            for x, y, slope in zip(vector, begin, true, strict=True):
-                if not abs((x - y) * rate / small - slope) <= OFF_COURSE * least:
-                    return False
+            most = OFF_COURSE * (max(map(abs, true)) + abs(rate) * max(map(abs, begin)) / 1000)
+            moved = [(x - y) * rate / small for x, y in zip(vector, begin, strict=True)]
+            if not all(abs(x - y) <= most for x, y in zip(moved, true, strict=True)):
+                return False
         return True
 
     def lost(self, tau: Real) -> int:

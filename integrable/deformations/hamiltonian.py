@@ -127,7 +127,7 @@ class Hamiltonian(Made):
         K, (gamma, M) = self.field, self._checked(state).vectors
         return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *self._pair_at(state))
 
-    def _pair_at(self, state: State) -> tuple[Any, Any]:
+    def _pair_at(self, state: State) -> tuple[Real, Real]:
         """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
         gamma, M = state.vectors
         with _Finite():
@@ -235,11 +235,11 @@ class Hamiltonian(Made):
         """The function that converts elements of the field to numbers with Python's operators."""
         return JetField(self.field, 0).constant if self.field.exact else lambda x: x
 
-    def scalars(self, wrap: Any, gamma: Any, M: Any) -> Scalars:
+    def scalars(self, wrap: Callable[[Any], Any], gamma: Iterable[Any], M: Iterable[Any]) -> Scalars:
         """The :class:`Scalars` of γ and M; ``wrap`` converts the body's constants."""
         return Scalars([wrap(x) for x in self.a], wrap(self.d), tuple(gamma), tuple(M))
 
-    def _terms(self, wrap: Any) -> Potential | None:
+    def _terms(self, wrap: Callable[[Any], Any]) -> Potential | None:
         return None if self.potential is None else Potential(*map(wrap, self.potential))
 
     def _slope(self, state: State) -> tuple[Real, ...]:

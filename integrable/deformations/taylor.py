@@ -17,6 +17,7 @@ from integrable.series.recurrences import coefficients, values_at
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.element import Real
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
 from jacobian.native.library import Library
@@ -137,7 +138,7 @@ class _Interpreted:
     # ``most`` products of coefficients take half a minute; a step has the overhead of ``overhead`` products
     most, overhead = 3e7, 500
 
-    def __init__(self, field: Any) -> None:
+    def __init__(self, field: MultiprecisionField) -> None:
         self._field, self._reals = field, BareReals(field.context.prec)
 
     def tape(self, arrays: tuple[list[int], ...]) -> tuple[Row, ...]:
@@ -163,7 +164,7 @@ class _Compiled:
     # ``most`` products of coefficients take a second; the overhead of a step takes as long as ``overhead`` products
     most, overhead = 6e7, 3e4
 
-    def __init__(self, field: Any) -> None:
+    def __init__(self, field: MultiprecisionField) -> None:
         self._field, self.march = field, LIBRARY.march
 
     def tape(self, arrays: tuple[list[int], ...]) -> tuple[Row, ...]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -150,7 +150,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         body = self.system.body
         return *self.state.row, *body.inertia, body.d
 
-    def _through(self, numbers: Iterable[Real], field: Any, tilted: bool = True) -> Flow:
+    def _through(self, numbers: Iterable[Real], field: Field, tilted: bool = True) -> Flow:
         g1, g2, g3, m1, m2, m3, i1, i2, i3, d = map(field.coerce, numbers)
         size = field.sqrt(g1 * g1 + g2 * g2 + g3 * g3)
         state = State((g1 / size, g2 / size, g3 / size), (m1, m2, m3), tilted=tilted)

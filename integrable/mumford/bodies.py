@@ -17,7 +17,6 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, hypot, log10
-from typing import Any
 
 from integrable.mumford.body_clocks import SPARE, RateSource, WalkedClock
 from integrable.mumford.flow import BY_ADDITIONS, MumfordFlow, Point
@@ -35,6 +34,7 @@ from integrable.torus.oval_modes import modes_of_rate
 from jacobian import MP, RR, poly
 from jacobian.element import FormulaField, Real, Value
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.fields.multiprecision import MultiprecisionField
 from jacobian.fields.protocol import Field
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
@@ -204,7 +204,7 @@ class BodySystem(SurfaceSystem):
         w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
         return Point(gamma, cross(N, w, gamma))
 
-    def close_digits(self, N: Any) -> int:
+    def close_digits(self, N: MultiprecisionField) -> int:
         """The number of digits beyond SPARE that periods lose because branch points are close.
 
         The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of the
