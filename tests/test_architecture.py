@@ -232,8 +232,8 @@ def test_few_types_of_motions_are_any():
 
 
 def test_no_field_is_told_from_another_by_its_attributes():
-    """``hasattr`` only asks whether a number is of mpmath, a value an array or a record, and a system one with inputs or
-    fields of its own; no value is passed as a type that it is not.
+    """``hasattr`` only asks whether a number is of mpmath, a value an array or a record, and which constants and
+    fields a system has; no value is passed as a type that it is not.
     """
     asked, ignored = set(), set()
     for name in in_motions():
@@ -241,7 +241,7 @@ def test_no_field_is_told_from_another_by_its_attributes():
         for node in nodes(name):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "hasattr":
                 asked.add(ast.literal_eval(node.args[1]))
-    assert asked == {"_mpf_", "_fields", "tolist", "inputs", "over"}
+    assert asked == {"_mpf_", "_fields", "tolist", "constants", "inputs", "over"}
     assert ignored == {"assignment", "call-arg", "override"}
 
 

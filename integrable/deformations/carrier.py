@@ -2,7 +2,7 @@
 
 For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
 until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
-compared with those of the start, and the rate there with the equations of motion. The farthest state is computed again
+compared with those of the start, and the rate of γ there with γ × Ω. The farthest state is computed again
 with more digits, which also checks the signs of γ and M. If k digits are missing, everything is repeated with k more;
 PrecisionLoss if this does not help.
 """
@@ -13,13 +13,12 @@ from collections.abc import Sequence
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
-from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.oval import Pace, height
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
-from integrable.phase.body import Vector
+from integrable.phase.body import Vector, cross
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
 from integrable.torus.theta_series import long_numbers
@@ -36,7 +35,7 @@ ROUNDING = 6
 SPARE_BITS = 16
 """A point rests in an oval whose length, relative to its curve, is at most 2^SPARE_BITS·√eps."""
 OFF_COURSE = 1e-10
-"""Largest relative error of the rates at the start. Rounding and the finite step cause about 1e-13."""
+"""Largest relative error of the rate of γ at the start. Rounding and the finite step cause about 1e-13."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -113,17 +112,16 @@ class CurvesCarrier(Carrier):
         return self.read(self.field, self.inner, self.frame, first, second)
 
     def on_course(self) -> bool:
-        """Whether the state at a small τ agrees with the equations of motion. The state at τ = 0, H and K show neither
-        the direction of the points nor their rates.
+        """Whether γ at a small τ agrees with dγ/dτ = γ × Ω/g at the start. The state at τ = 0, H and K show neither the
+        direction of the points nor their rates.
         """
-        small, rate = self.field.coerce(10) ** -(self.digits // 2 + 6), self.speed / self.period
-        rates, ahead = right_hand_sides(self.system, physical=False)(self.start.row), self.point(small / rate)
-        for vector, begin, true in zip(ahead, self.shown, (rates[:3], rates[3:6]), strict=True):
-            most = OFF_COURSE * (max(map(abs, true)) + abs(rate) * max(map(abs, begin)) / 1000)
-            moved = [(x - y) * rate / small for x, y in zip(vector, begin, strict=True)]
-            if not all(abs(x - y) <= most for x, y in zip(moved, true, strict=True)):
-                return False
-        return True
+        K, (gamma, M), system = self.field, self.start.vectors, self.system
+        small, rate = K.coerce(10) ** -(self.digits // 2 + 6), self.speed / self.period
+        slow, (x, y, z) = K.sqrt(system.body.conformal(gamma)), system.omega_at(system.scalars(lambda x: x, gamma, M))
+        turn = [slow * x for x in cross(K, gamma, (x, y, z))]
+        moved = [(x - y) * rate / small for x, y in zip(self.point(small / rate)[0], self.shown[0], strict=True)]
+        most = OFF_COURSE * (max(map(abs, turn)) + abs(rate) / 1000)
+        return all(abs(x - y) <= most for x, y in zip(moved, turn, strict=True))
 
     def lost(self, tau: Real) -> int:
         return ceil((self.field.exponent(1 + self.turns(tau)) or 0) / log2(10))
