@@ -68,6 +68,7 @@ CALLED_BY_NUMBA = {"unify"}
 # the compiler calls the method that is named after a node's class
 CALLED_BY_NODE = {f"{prefix}_{name.lower()}" for prefix in ("do", "of") for name in vars(ast)}
 WALKS = {"Array", "Row"}
+MOST_ANY = 300
 # imports that lint-imports permits; pyproject.toml gives the reasons
 CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
 FACADES = {tuple(edge.split(" -> ")) for contract in CONTRACTS for edge in contract.get("ignore_imports", [])}
@@ -203,19 +204,45 @@ def test_a_class_or_function_of_motions_has_a_name_of_its_own():
     arrays and rows of numbers in compiled loops.
     """
     found = defaultdict(list)
-    for module in modules():
-        if module.split(".")[:2] in [["integrable", room] for room in MOVING]:
-            for node in tree(module).body:
-                if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
-                    found[node.name].append(module)
-                elif isinstance(node, ast.Assign | ast.AnnAssign) and "TypeVar" not in ast.unparse(node):
-                    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                    names = [target.id for target in targets if isinstance(target, ast.Name)]
-                    for name in names:
-                        # constants of a module are in capitals
-                        if name[0].isupper() and not name.isupper():
-                            found[name].append(module)
+    for module in in_motions():
+        for node in tree(module).body:
+            if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+                found[node.name].append(module)
+            elif isinstance(node, ast.Assign | ast.AnnAssign) and "TypeVar" not in ast.unparse(node):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names = [target.id for target in targets if isinstance(target, ast.Name)]
+                for name in names:
+                    # constants of a module are in capitals
+                    if name[0].isupper() and not name.isupper():
+                        found[name].append(module)
     assert {name for name, homes in found.items() if len(homes) > 1} == WALKS
+
+
+def in_motions() -> list[str]:
+    """The modules of the rooms for motions."""
+    return [name for name in modules() if name.split(".")[:2] in [["integrable", room] for room in MOVING]]
+
+
+def test_few_types_of_motions_are_any():
+    """In annotations and aliases; those that remain are numbers that formulas share with jets, symbols and columns, and
+    flows and systems of several rooms.
+    """
+    found = sum(isinstance(node, ast.Name) and node.id == "Any" for name in in_motions() for node in nodes(name))
+    assert 0 < found < MOST_ANY
+
+
+def test_no_field_is_told_from_another_by_its_attributes():
+    """``hasattr`` only asks whether a number is of mpmath, a value an array or a record, and whether a system has other
+    fields; no value is passed as a type that it is not.
+    """
+    asked, ignored = set(), set()
+    for name in in_motions():
+        ignored |= set(re.findall(r"type: ignore\[([\w-]+)\]", modules()[name].read_text(encoding="utf-8")))
+        for node in nodes(name):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "hasattr":
+                asked.add(ast.literal_eval(node.args[1]))
+    assert asked == {"_mpf_", "_fields", "tolist", "over"}
+    assert ignored == {"assignment", "call-arg", "override"}
 
 
 @cache

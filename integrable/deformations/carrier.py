@@ -2,8 +2,9 @@
 
 For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
 until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
-compared with those of the start. The farthest state is computed again with more digits, which also checks the signs of
-γ and M. If k digits are missing, everything is repeated with k more; PrecisionLoss if this does not help.
+compared with those of the start, and the rate of γ there with γ × Ω. The farthest state is computed again
+with more digits, which also checks the signs of γ and M. If k digits are missing, everything is repeated with k more;
+PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from integrable.deformations.oval import Pace, height
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.mumford.elliptic_torus import EllipticOval
-from integrable.phase.body import Vector
+from integrable.phase.body import Vector, cross
 from integrable.phase.precisions import long_digits
 from integrable.phase.state import State, onto_constraints, state_of_row
 from integrable.torus.theta_series import long_numbers
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
+OFF_COURSE = 1e-10
+"""Largest relative error of the rate of γ at the start. Rounding and the finite step cause about 1e-13."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -107,6 +110,18 @@ class CurvesCarrier(Carrier):
         """(γ, M) of ``inner``, from R₁, R₂ and R₃ (:class:`EllipticOval`) on both curves."""
         first, second = ((*r, height(levels, r)) for r, levels in zip(roots, self.levels, strict=True))
         return self.read(self.field, self.inner, self.frame, first, second)
+
+    def on_course(self) -> bool:
+        """Whether γ at a small τ agrees with dγ/dτ = γ × Ω/g at the start. The state at τ = 0, H and K show neither the
+        direction of the points nor their rates.
+        """
+        K, (gamma, M), system = self.field, self.start.vectors, self.system
+        small, rate = K.coerce(10) ** -(self.digits // 2 + 6), self.speed / self.period
+        slow, (x, y, z) = K.sqrt(system.body.conformal(gamma)), system.omega_at(system.scalars(lambda x: x, gamma, M))
+        turn = [slow * x for x in cross(K, gamma, (x, y, z))]
+        moved = [(x - y) * rate / small for x, y in zip(self.point(small / rate)[0], self.shown[0], strict=True)]
+        most = OFF_COURSE * (max(map(abs, turn)) + abs(rate) / 1000)
+        return all(abs(x - y) <= most for x, y in zip(moved, turn, strict=True))
 
     def lost(self, tau: Real) -> int:
         return ceil((self.field.exponent(1 + self.turns(tau)) or 0) / log2(10))
@@ -198,12 +213,14 @@ class OnCurves(ManyDigits):
             with long_numbers(ceil((digits + GUARD_DIGITS) * log2(10))) as numbers:
                 carrier = self._made(*widened(self._system, self._state, numbers))
                 gap = carrier.difference(carrier.shown, carrier.start.vectors)
+                on_course = carrier.on_course()
             missing = gap + self.digits + SPARE
-            if missing <= 0:
+            if missing <= 0 and on_course:
                 return carrier
-            digits += min(missing, digits) + WIDER
+            digits += max(0, min(missing, digits)) + WIDER
         raise PrecisionLoss(
-            f"{shown(self._state)}: it is not found again from its two points even with {written(digits)} digits"
+            f"{shown(self._state)}: the state or its rate does not follow from its two points "
+            f"even with {written(digits)} digits"
         )
 
 

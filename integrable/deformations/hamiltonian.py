@@ -136,7 +136,7 @@ class Hamiltonian(Made):
             raise NotRepresentable(f"M = {shown(M)}: H and K are beyond the range of floats; use MP(digits)")
         return DeformedIntegrals(K.dot(gamma, gamma), K.dot(gamma, M), *pair)
 
-    def _pair_at(self, state: State) -> tuple[Any, Any]:
+    def _pair_at(self, state: State) -> tuple[Real, Real]:
         """H and K at a state that has been checked; NotRepresentable as from :meth:`integrals`."""
         gamma, M = state.vectors
         with _Finite():
@@ -245,11 +245,11 @@ class Hamiltonian(Made):
         """The function that converts elements of the field to numbers with Python's operators."""
         return JetField(self.field, 0).constant if self.field.exact else lambda x: x
 
-    def scalars(self, wrap: Any, gamma: Any, M: Any) -> Scalars:
+    def scalars(self, wrap: Callable[[Any], Any], gamma: Iterable[Any], M: Iterable[Any]) -> Scalars:
         """The :class:`Scalars` of γ and M; ``wrap`` converts the body's constants."""
         return Scalars([wrap(x) for x in self.a], wrap(self.d), tuple(gamma), tuple(M))
 
-    def _terms(self, wrap: Any) -> Potential | None:
+    def _terms(self, wrap: Callable[[Any], Any]) -> Potential | None:
         return None if self.potential is None else Potential(*map(wrap, self.potential))
 
     def _slope(self, state: State) -> tuple[Real, ...]:

@@ -10,7 +10,7 @@ from integrable.motion.trajectory import Motion, Trajectory
 from integrable.phase.state import onto_constraints, state_of_row
 from integrable.phase.ways import rounded
 from integrable.portrait.state_flow import StateFlow, largest_rate
-from jacobian import RR
+from jacobian import RR, Field
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable
 from jacobian.inexact.long_field import LongField
@@ -100,7 +100,7 @@ class HamiltonianMotion(Motion, StateFlow[Trajectory]):
     def _numbers(self) -> tuple[Real, ...]:
         return *self.state.row, *self.system.constants
 
-    def _through(self, numbers: Iterable[Real], field: Any) -> Self:
+    def _through(self, numbers: Iterable[Real], field: Field) -> Self:
         values = [*map(field.coerce, numbers)]
         system = self.system._of_constants(field, values[6:])
         return type(self)(system, onto_constraints(system, state_of_row(values[:6])))

@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 from functools import cached_property
 from math import hypot
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
     from integrable.torus.integrals import TorusIntegral
     from jacobian.fields.multiprecision import MultiprecisionField
+    from jacobian.fields.protocol import Field
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
@@ -158,13 +159,13 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         body = self.system.body
         return *self.state.row, *body.inertia, body.d
 
-    def _through(self, numbers: Iterable[Real], field: Any, tilted: bool = True) -> Flow:
+    def _through(self, numbers: Iterable[Real], field: Field, tilted: bool = True) -> Flow:
         values = [*map(field.coerce, numbers)]
         system = replaced(self.system, body=Body.make(values[6:9], values[9], field))
         # a plain Flow, because a subclass may need further arguments
         return Flow(system, onto_constraints(system, state_of_row(values[:6], tilted)))
 
-    def _with(self, numbers: Iterable[Real], field: Any) -> Flow:
+    def _with(self, numbers: Iterable[Real], field: Field) -> Flow:
         return self._through(numbers, field, self.state.tilted)
 
     def _inputs(self) -> tuple[Inputs, tuple[str, ...]]:

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from math import ceil, hypot, log2, log10
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -245,7 +245,7 @@ class BodySystem(SurfaceSystem):
         w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
         return Point(gamma, cross(N, w, gamma))
 
-    def close_digits(self, N: Any) -> int:
+    def close_digits(self, N: MultiprecisionField) -> int:
         """The number of digits beyond SPARE that periods lose because branch points are close.
 
         The c_i are close together for a light ball, and one is close to 0 for a thin body. Returns 0 if two of the

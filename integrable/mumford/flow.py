@@ -19,7 +19,7 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS, long_digits
 from integrable.phase.run import ROUNDED, Run
 from integrable.phase.ways import Cost, StatesReached, filled, times_in
 from integrable.portrait.state_flow import StateFlow, largest_rate
-from jacobian import RR
+from jacobian import RR, Field
 from jacobian.element import Element, FormulaField, Numbers, Real
 from jacobian.errors import FieldError, NotRepresentable, PrecisionLoss
 from jacobian.immutable import Immutable, at_once, quick_property
@@ -374,7 +374,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
         floats = self._through(self._numbers, RR)
         return largest_rate([floats.system.linearized(floats.start)])
 
-    def _through(self, numbers: Iterable[Real], field: Any) -> Self:
+    def _through(self, numbers: Iterable[Real], field: Field) -> Self:
         n, given = self.system.size, tuple(map(field.coerce, numbers))
         return type(self)(self.system._of(field, given[2 * n :]), Point(given[:n], given[n : 2 * n]))
 
@@ -514,7 +514,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return np.stack([np.stack([x.hi + 0 * times for x in part], axis=1) for part in columns], axis=1)
 
 
-def element(K: Any, x: Real) -> Any:
+def element(K: object, x: Real) -> Any:
     """A long number as an element of RR or MP(digits)."""
     from jacobian.numbers.long_reals import BareReals
 

@@ -192,7 +192,7 @@ class MumfordMotion:
             "the motion is on a separatrix or passes a special position"
         )
 
-    def tau_at(self, time: Any, digits: int, clock: TimeAt | None) -> Any:
+    def tau_at(self, time: Real, digits: int, clock: TimeAt | None) -> Real:
         """The τ of a time t, found as in :meth:`row`."""
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 

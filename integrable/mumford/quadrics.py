@@ -62,7 +62,7 @@ class QuadricSystem(MumfordSystem):
         q, _ = self._axes(state)
         return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
 
-    def _stands(self, barrier: Any) -> bool:
+    def _stands(self, barrier: Real) -> bool:
         return bool(barrier != self.field.zero)
 
     def _spectral(self, N: FormulaField, state: Point) -> Spectral:

@@ -16,7 +16,7 @@ from typing import Any
 from integrable.mumford.fields import elementary
 from integrable.mumford.series import PointMotion, through
 from jacobian import poly
-from jacobian.element import Real
+from jacobian.element import Arithmetic, Real
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind, scaled
 
@@ -187,7 +187,7 @@ class GroupTranslations:
         return Extended(u, v, tuple(data))
 
 
-def part_at(K: Any, a: poly.Poly, e: Real) -> Real:
+def part_at(K: Arithmetic, a: poly.Poly, e: Real) -> Real:
     """|a(e)| relative to the sum of the absolute values of its terms; 0 for the zero polynomial."""
     size = poly.size_at(a, e)
     return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)

@@ -63,17 +63,17 @@ class Run(Record, Generic[One]):
         return replaced(self, **parts)
 
     @property
-    def times(self) -> np.ndarray[Any, Any]:
+    def times(self) -> np.ndarray:
         """The times of the states, shape (N,)."""
         found: Any = self._times
         return found
 
     @property
-    def q(self) -> np.ndarray[Any, Any]:
+    def q(self) -> np.ndarray:
         """The first vector of every state, positions or γ, shape (N, n)."""
         return self._rows[:, : self._rows.shape[1] // 2]
 
     @property
-    def p(self) -> np.ndarray[Any, Any]:
+    def p(self) -> np.ndarray:
         """The second vector of every state, momenta, velocities or M, shape (N, n)."""
         return self._rows[:, self._rows.shape[1] // 2 :]

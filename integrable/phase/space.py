@@ -282,7 +282,7 @@ def check_moving(K: Field[Element], h2: Element) -> None:
         raise ArgumentError(f"H2 = {written(h2)}: (M, M) must not vanish; a body at rest has no curve")
 
 
-def _distance(K: Any, x: Any, y: Any) -> Any:
+def _distance(K: Field, x: Any, y: Any) -> Any:
     difference = K.sub(x, y)
     if K.exact:
         return 0 if K.is_zero(difference) else 1

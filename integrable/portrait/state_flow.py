@@ -148,7 +148,7 @@ class StateFlow(Generic[AnyRun]):
         """The numbers on which the motion depends: first those of its start."""
         raise NotImplementedError
 
-    def _through(self, numbers: Iterable[Real], field: Any) -> StateFlow[AnyRun]:
+    def _through(self, numbers: Iterable[Real], field: Field) -> StateFlow[AnyRun]:
         """The motion over ``field`` with these :attr:`_numbers`."""
         raise NotImplementedError
 

@@ -72,11 +72,22 @@ def veselova(c: Any, q: Any, p: Any, exp: Any) -> Rates:
     return cross(q, omega), cross(p, omega)
 
 
+def galaxy(c: Any, q: Any, p: Any, exp: Any) -> Rates:
+    """q'' = ∇(GM/S), S² = |q|² + a² + c² + 2P, P² = a²c² + c²(x² + y²) + a²z²; c = (a, c, GM)."""
+    long, short, mass = c[0] * c[0], c[1] * c[1], c[2]
+    inner = (long * short + short * (q[0] * q[0] + q[1] * q[1]) + long * q[2] * q[2]) ** 0.5
+    square = _square(q) + long + short + 2 * inner
+    pull = -1 * mass / (square * square**0.5)
+    flat = pull * (1 + short / inner)
+    return list(p), [flat * q[0], flat * q[1], pull * (1 + long / inner) * q[2]]
+
+
 EQUATIONS: dict[str, Callable[..., Rates]] = {
     "Neumann": neumann,
     "Ellipsoid": ellipsoid,
     "Garnier": garnier,
     "HenonHeiles": henon_heiles,
+    "KuzminKutuzov": galaxy,
     "LagrangeTop": lagrange,
     "SphericalPendulum": pendulum,
     "TodaLattice": toda,

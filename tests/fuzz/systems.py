@@ -123,11 +123,24 @@ def veselova(rng: Random) -> Motion:
     return Motion("Veselova", "veselova", (inertia,), q, M, True, True)
 
 
+def galaxy(rng: Random) -> Motion:
+    """Bound stars of flattened and of elongated galaxies."""
+    scale, mass = magnitude(rng, -10, 10), magnitude(rng, -10, 10)
+    a, c = axes(rng, 2, scale)
+    q = tuple(max(a, c) * magnitude(rng, -6, 3) * x for x in direction(rng, 3))
+    # P is at most this, so the speed is below that of escape
+    inner = a * c + max(a, c) * dot(q, q) ** 0.5
+    escape = (2 * mass) ** 0.5 / (dot(q, q) + a * a + c * c + 2 * inner) ** 0.25
+    speed = escape * min(0.95, magnitude(rng, -4, 0))
+    return Motion("KuzminKutuzov", "kuzmin_kutuzov", ((a, c), mass), q, tuple(speed * x for x in direction(rng, 3)))
+
+
 SYSTEMS: dict[str, Callable[[Random], Motion]] = {
     "neumann": neumann,
     "ellipsoid": ellipsoid,
     "garnier": garnier,
     "henon heiles": henon_heiles,
+    "galaxy": galaxy,
     "lagrange": lagrange,
     "pendulum": pendulum,
     "toda": toda,

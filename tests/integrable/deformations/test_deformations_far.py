@@ -321,7 +321,8 @@ def test_what_is_wrong_at_any_precision_is_refused(monkeypatch, spoiled) -> None
 
     def wrong(self, tau):
         gamma, M = right(self, tau)
-        if tau == 0:
+        if abs(tau) < 1:
+            # the start and the rates there are compared too
             return gamma, M
         if spoiled == "integrals":
             return gamma, tuple(x * 1.5 for x in M)
