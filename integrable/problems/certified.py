@@ -75,13 +75,13 @@ def certified(name: str) -> Certified:
     """The certified motion with the given name; ArgumentError for a name not in :func:`certified_names`."""
     motions = _motions()
     given = motions[one_of(name, "name", tuple(motions), f"give one of {', '.join(motions)}")]
-    rows = {key: tuple(_hashable(row[key]) for row in given["rows"]) for key in ("t", "gamma", "M", "bound")}
-    others = {key: _hashable(value) for key, value in given.items() if key != "rows"}
-    return Certified(times=rows.pop("t"), **rows, **others)
+    rows, names = given.pop("rows"), {"times": "t", "gamma": "gamma", "M": "M", "bound": "bound"}
+    given |= {name: [row[key] for row in rows] for name, key in names.items()}
+    return Certified(**{name: _hashable(value) for name, value in given.items()})
 
 
 def _hashable(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    return tuple(map(_hashable, value)) if isinstance(value, list) else value
 
 
 def certified_names() -> list[str]:

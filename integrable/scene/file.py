@@ -87,10 +87,12 @@ def _read(name: str, place: str, text: str) -> Scene:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
     halves, length = (("q", "p"), None) if classical else (("gamma", "M"), 3)
     start = _section(top, "start", (*halves, "tilted") if plain else halves)
-    words = {key: top.text(key, "").strip() for key in _WORDS}
+    words: dict[str, Any] = {key: top.text(key, "").strip() for key in _WORDS} | {"title": top.text("title", name)}
     orbit, pictures = "steps" in top, _CLASSICAL_PICTURES if classical else _PICTURES
     return Scene(
-        **{"name": name, "system": system, **words, "title": top.text("title", name)},
+        name=name,
+        system=system,
+        **words,
         **_read_body(body, system),
         gamma=start.numbers(halves[0], length),
         M=start.numbers(halves[1], length),
