@@ -202,20 +202,17 @@ class Scene:
         Raises ArgumentError if no such body exists.
         """
         number = self._numbers(digits)
-        given = {"d": self.d, "mass": self.mass, "radius": self.radius, "c": self.c}
-        shape = {key: number(value) for key, value in given.items() if value is not None}
-        if self.potential is not None:
-            shape["potential"] = tuple(map(number, self.potential))
         with self._placed("[body]"):
-            field = self._field(digits)
-            make = system_class(self.system)
+            make, field = system_class(self.system), self._field(digits)
             if self.classical:
                 from integrable.scene.classical import ClassicalSystem
 
                 given = {key: _argument(value, number) for key, value in self.constants}
                 return ClassicalSystem(make(**given, field=field))
+            numbers = {key: getattr(self, key) for key in ("inertia", "d", "mass", "radius", "c", "potential")}
+            own = {key: _as_numbers(value, number) for key, value in numbers.items() if value is not None}
             with unwarned():
-                return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
+                return make(**own, field=field)
 
     def start(self, digits: int) -> tuple[Any, Any]:
         """The system and its state at time 0; ArgumentError if |γ| ≠ 1 or (γ, M) is not allowed."""

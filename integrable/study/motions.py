@@ -19,7 +19,7 @@ set-up includes a new body each time. The floor is eps·conditioning, the effect
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -34,7 +34,7 @@ from integrable.scene.tables import DOP853
 from integrable.study.measure import flow_run, measured
 from integrable.study.plan import Limits, Task
 from integrable.study.report import FIRST_USE, Report, Row, TruthCheck, closing, opening, row_line
-from integrable.study.timing import NOBODY, Tick, Watch, silent
+from integrable.study.timing import Tick, silent
 from integrable.study.truth import INTEGRATED, Truth, kept, moved_by, parts
 
 __all__ = ["measure", "pieces_of_work"]
@@ -50,24 +50,27 @@ def pieces_of_work(scene: Scene, digits: int) -> int:
     return sum(task.pieces for task in _Run(scene, digits).tasks)
 
 
-def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tuple[Report, Any]:
+def measure(
+    scene: Scene, digits: int, tick: Tick, line: Tick = silent, own: Callable[[Any], None] = silent
+) -> tuple[Report, Any]:
     """Measure ``scene.report``, and return the report with the trajectory at ``digits`` digits.
 
-    ``tick(label)`` is called before each piece of work.
+    ``tick(label)`` is called before each piece of work, ``line`` with each line of the table as soon as it is known,
+    and ``own`` with the trajectory, before anything else is computed.
     """
     run = _Run(scene, digits, tick)
     trajectory = run.flow(run.own)
-    watch.own(trajectory)
+    own(trajectory)
     rows: list[Row] = []
     for task in (*run.flows, *run.rivals):
         found = run.rows(task)
         head = [] if rows else opening(run.report(found))
         rows += found
-        for line in (*head, *(row_line(run.report(rows), row) for row in found)):
-            watch.line(line)
+        for text in (*head, *(row_line(run.report(rows), row) for row in found)):
+            line(text)
     report = run.finished(rows)
-    for line in closing(report):
-        watch.line(line)
+    for text in closing(report):
+        line(text)
     return report, trajectory
 
 
