@@ -35,7 +35,7 @@ from integrable.study.measure import flow_run, measured
 from integrable.study.plan import Limits, Task
 from integrable.study.report import FIRST_USE, Report, Row, TruthCheck, closing, opening, row_line
 from integrable.study.timing import Tick, silent
-from integrable.study.truth import INTEGRATED, Truth, kept, moved_by, parts
+from integrable.study.truth import INTEGRATED, Judge, Truth, moved_by, parts
 
 __all__ = ["measure", "pieces_of_work"]
 
@@ -178,16 +178,15 @@ class _Run:
             return [row]
         return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
 
-    def _judge(self, task: Task) -> Truth:
+    def _judge(self, task: Task) -> Judge:
         """The reference for a row's errors: the truth. For the run's own result it is the first of ``flows`` that has
         at least MORE digits more, if there is one.
         """
         finer = [one for one in self.flows if (one.value or 0) >= self.digits + MORE and one.scene is task.scene]
         if task is not self.own or not finer:
             return Truth(task.scene, self.truth(task.scene))
-        digits = int(finer[0].value or 0)
-        system, _ = task.scene.start(digits)
-        return Truth(task.scene, kept(system, [self.flow(finer[0])], digits))
+        digits, found = int(finer[0].value or 0), self.flow(finer[0])
+        return Judge(*task.scene.start(digits + 10), found.gamma, found.M)
 
     def _rival(self, task: Task) -> Row:
         """The row of SciPy's integrator. If the integrator failed, the row has the reason and no figures."""
