@@ -91,7 +91,9 @@ def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
     return {module: what for module, what in uses.items() if what}
 
 
-def _compute(scene: Scene, digits: int, tick: Tick, line: Tick, own: Callable[[Any], None] = silent) -> Trajectory:
+def _compute(
+    scene: Scene, digits: int, tick: Tick, line: Tick = silent, own: Callable[[Any], None] = silent
+) -> Trajectory:
     if scene.report is not None:
         from integrable.study.motions import measure
 
