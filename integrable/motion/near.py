@@ -75,6 +75,12 @@ class NearWalk(Integration):
     def __init__(self, motion: Motion, cost: Cost, plan: Sequence[Steps], farthest: float = inf) -> None:
         self._motion, self._cost, self._plan, self._farthest = motion, cost, plan, farthest
 
+    def compile(self) -> None:
+        """Compiles the walks of :meth:`at`, or loads them from disk, before they are needed."""
+        kind = kind_in(self._motion.system, True, self._motion.state.tilted)
+        for steps in self._plan:
+            kind.walk(steps.orders)
+
     def run(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
         system, state = self._motion.system, self._motion.state
         if system.field is not RR or (len(times) and max(abs(times[0]), abs(times[-1])) > self._farthest):

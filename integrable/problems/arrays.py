@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
+from jacobian.fields.inexact import InexactField
+
 __all__ = ["Arrays", "columns", "stacked"]
 
 
-class Arrays:
+class Arrays(InexactField[Any]):
     """numpy's arrays of float64 or complex128 as a field for formulas; constants become floats."""
 
-    exact, zero, one = False, 0.0, 1.0
-    context = np
-    add, sub, mul = map(staticmethod, (operator.add, operator.sub, operator.mul))
-    neg, sqrt = staticmethod(operator.neg), staticmethod(np.sqrt)
+    name, context = "arrays", np
+    zero, one = 0.0, 1.0
+    sqrt = staticmethod(np.sqrt)
 
-    @staticmethod
-    def coerce(x: Any) -> Any:
+    def coerce(self, value: Any, argument: str = "value") -> Any:
         """The float of a constant; an array is returned unchanged."""
-        return x if isinstance(x, (np.ndarray, np.generic)) else float(x)
-
-    @staticmethod
-    def dot(xs: Iterable[Any], ys: Iterable[Any]) -> Any:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), 0.0)
+        return value if isinstance(value, (np.ndarray, np.generic)) else float(value)
 
 
 def columns(y: Any) -> list[Any]:

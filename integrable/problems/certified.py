@@ -75,21 +75,13 @@ def certified(name: str) -> Certified:
     """The certified motion with the given name; ArgumentError for a name not in :func:`certified_names`."""
     motions = _motions()
     given = motions[one_of(name, "name", tuple(motions), f"give one of {', '.join(motions)}")]
-    rows = given["rows"]
-    return Certified(
-        given["name"],
-        given["system"],
-        given["about"],
-        tuple(given["inertia"]),
-        given["d"],
-        given["tilted"],
-        tuple(row["t"] for row in rows),
-        tuple(tuple(row["gamma"]) for row in rows),
-        tuple(tuple(row["M"]) for row in rows),
-        tuple(row["bound"] for row in rows),
-        tuple(given["potential"]) if "potential" in given else None,
-        given.get("c"),
-    )
+    rows, names = given.pop("rows"), {"times": "t", "gamma": "gamma", "M": "M", "bound": "bound"}
+    given |= {name: [row[key] for row in rows] for name, key in names.items()}
+    return Certified(**{name: _hashable(value) for name, value in given.items()})
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(map(_hashable, value)) if isinstance(value, list) else value
 
 
 def certified_names() -> list[str]:

@@ -108,11 +108,10 @@ class UnitMotion:
         first = max(digits + GUARD, LEAST)
         for _ in range(MOST_ATTEMPTS):
             coarse, fine = self.rows(times, first), self.rows(times, first + FINER)
-            gaps = [_gaps(*pair, 10.0**-first) for pair in zip(coarse, fine, strict=True)]
-            parts = (gap / size for one, row in zip(gaps, fine, strict=True) for gap, size in _by_half(one, row))
-            worst = float(max(parts, default=0))
+            found = [_gaps(*pair, 10.0**-first) for pair in zip(coarse, fine, strict=True)]
+            worst = float(max((relative for _, relative in found), default=0))
             if worst < 10.0 ** -(digits + 1):
-                return fine, gaps
+                return fine, [gaps for gaps, _ in found]
             first += FINER + ceil(max(0.0, log10(worst) + digits + 1))
         raise PrecisionLoss(
             f"{self.scene.name}: no {digits} digits were found at t = {shown(max(times, key=abs))} or before with "
@@ -168,15 +167,12 @@ def _scaled(values: Sequence[int], factor: float) -> list[float]:
     return [x * 2.0 ** round(np.log2(factor)) for x in values]
 
 
-def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> list[Any]:
-    half, found = len(fine) // 2, []
-    differences = [abs(y - type(y)(x)) for x, y in zip(coarse, fine, strict=True)]
-    for i in (0, half):
-        found += [2 * max(differences[i : i + half]) + rounding * max(map(abs, fine[i : i + half]))] * half
-    return found
-
-
-def _by_half(gaps: list[Any], row: list[Any]) -> list[tuple[Any, Any]]:
-    """Two pairs, for q and for p: the error in ``gaps``, and the largest component in ``row`` (1 if that is 0)."""
-    half = len(row) // 2
-    return [(gaps[i], max(map(abs, row[i : i + half])) or 1) for i in (0, half)]
+def _gaps(coarse: list[Any], fine: list[Any], rounding: float) -> tuple[list[Any], Any]:
+    """The estimated error of each component, and the largest one relative to the largest component of its half."""
+    half, gaps, relative = len(fine) // 2, list[Any](), []
+    for part in (slice(0, half), slice(half, None)):
+        size = max(map(abs, fine[part]))
+        gap = 2 * max(abs(y - type(y)(x)) for x, y in zip(coarse[part], fine[part], strict=True)) + rounding * size
+        gaps += [gap] * half
+        relative.append(gap / (size or 1))
+    return gaps, max(relative)

@@ -131,11 +131,7 @@ def _course(one: Problem, own: dict[str, Solve], rivals: Sequence[str], limit: f
             going += [] if run.note else [entrant]
         left = going
     return Course(
-        name=one.name,
-        title=one.title,
-        description=one.description,
-        reference=one.reference,
-        letters=one.letters,
+        **{key: getattr(one, key) for key in ("name", "title", "description", "reference", "letters")},
         times=tuple(times.tolist()),
         radius=float(one.relative(truth.radius, truth).max()),
         floor=floor,

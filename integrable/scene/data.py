@@ -16,7 +16,7 @@ from integrable.phase.body import unwarned
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian.errors import ArgumentError, shortened, whole, written
 
-__all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
+__all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times", "plain"]
 
 MOST_STEPS = 10_000_000
 """The largest number of steps of an orbit: the states after all steps are kept in memory."""
@@ -202,20 +202,17 @@ class Scene:
         Raises ArgumentError if no such body exists.
         """
         number = self._numbers(digits)
-        given = {"d": self.d, "mass": self.mass, "radius": self.radius, "c": self.c}
-        shape = {key: number(value) for key, value in given.items() if value is not None}
-        if self.potential is not None:
-            shape["potential"] = tuple(map(number, self.potential))
         with self._placed("[body]"):
-            field = self._field(digits)
-            make = system_class(self.system)
+            make, field = system_class(self.system), self._field(digits)
             if self.classical:
                 from integrable.scene.classical import ClassicalSystem
 
                 given = {key: _argument(value, number) for key, value in self.constants}
                 return ClassicalSystem(make(**given, field=field))
+            numbers = {key: getattr(self, key) for key in ("inertia", "d", "mass", "radius", "c", "potential")}
+            own = {key: _as_numbers(value, number) for key, value in numbers.items() if value is not None}
             with unwarned():
-                return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
+                return make(**own, field=field)
 
     def start(self, digits: int) -> tuple[Any, Any]:
         """The system and its state at time 0; ArgumentError if |γ| ≠ 1 or (γ, M) is not allowed."""
@@ -253,7 +250,7 @@ class Scene:
             content = {{"gamma": "q", "M": "p"}.get(key, key): value for key, value in content.items()}
         if self.steps is not None:
             content["steps"]["maps"] = [{"kind": one.kind, **dict(one.arguments)} for one in self.steps.maps]
-        return {key: _plain(value) for key, value in content.items()}
+        return {key: plain(value) for key, value in content.items()}
 
     @contextmanager
     def _placed(self, table: str) -> Iterator[None]:
@@ -316,9 +313,11 @@ def _numbers(digits: int) -> Callable[[Fraction], Any]:
     return float if digits <= FLOAT_DIGITS else MP(digits).coerce
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, Fraction):
-        return str(value)
+def plain(value: Any) -> Any:
+    """A value as data for JSON: arrays and tuples as lists, and fractions and multiprecision numbers as strings."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
+        return {key: plain(item) for key, item in value.items()}
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value if value is None or isinstance(value, int | float | str) else str(value)

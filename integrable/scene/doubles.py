@@ -41,9 +41,7 @@ def in_doubles(scene: Scene) -> Scene:
     """
     if scene.finite_field or isinstance(scene, SceneInDoubles):
         return scene
-    rounded: dict[str, Any] = {
-        name: _rounded(getattr(scene, name)) for name in ("inertia", "d", "c", "gamma", "M", "potential", "constants")
-    }
+    rounded: dict[str, Any] = {one.name: _rounded(getattr(scene, one.name)) for one in fields(scene)}
     if scene.mass is not None:
         # d is m r² as the ball computes it in doubles
         rounded |= {"d": Fraction(scene.body(FLOAT_DIGITS).d), "mass": None, "radius": None}
@@ -51,7 +49,7 @@ def in_doubles(scene: Scene) -> Scene:
     if scene.steps is not None:
         maps = (replace(one, arguments=_rounded(one.arguments)) for one in scene.steps.maps)
         rounded["steps"] = replace(scene.steps, maps=tuple(maps))
-    return SceneInDoubles(**{one.name: getattr(scene, one.name) for one in fields(scene)} | rounded)
+    return SceneInDoubles(**rounded)
 
 
 def _rounded(value: Any) -> Any:

@@ -82,48 +82,27 @@ def _read(name: str, place: str, text: str) -> Scene:
     top = Table(f"{place}:", content, (*_WORDS, "system", "field", *tables))
     system = top.choice("system", SYSTEMS)
     body = _section(top, "body", SYSTEMS[system].keys)
-    if SYSTEMS[system].room == "classical":
-        return _read_classical(name, place, top, system, body)
-    plain = system in ("chaplygin_ball", "euler_top")
-    start = _section(top, "start", ("gamma", "M", "tilted") if plain else ("gamma", "M"))
-    return Scene(
-        **_read_words(name, top, system),
-        inertia=body.numbers("inertia", 3),
-        **_read_size(body, system),
-        potential=body.numbers("potential", 5) if "potential" in body else None,
-        c=body.number("c") if system == "gyroscopic" else None,
-        gamma=start.numbers("gamma", 3),
-        M=start.numbers("M", 3),
-        tilted=start.flag("tilted") if plain else False,
-        **(_read_orbit(top, plain) if "steps" in top else _read_motion(top, plain)),
-        place=place,
-    )
-
-
-def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
-    words = {key: top.text(key, "").strip() for key in _WORDS}
-    return {"name": name, "system": system, **words, "title": top.text("title", name)}
-
-
-def _read_classical(name: str, place: str, top: Table, system: str, body: Table) -> Scene:
-    if "steps" in top:
+    classical, plain = SYSTEMS[system].room == "classical", system in ("chaplygin_ball", "euler_top")
+    if classical and "steps" in top:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
-    start = _section(top, "start", ("q", "p"))
+    halves, length = (("q", "p"), None) if classical else (("gamma", "M"), 3)
+    start = _section(top, "start", (*halves, "tilted") if plain else halves)
+    words: dict[str, Any] = {key: top.text(key, "").strip() for key in _WORDS} | {"title": top.text("title", name)}
+    orbit, pictures = "steps" in top, _CLASSICAL_PICTURES if classical else _PICTURES
     return Scene(
-        **_read_words(name, top, system),
-        inertia=(),
-        d=None,
-        mass=None,
-        radius=None,
-        constants=tuple((key, body.number_or_numbers(key)) for key in SYSTEMS[system].keys),
-        gamma=start.numbers("q"),
-        M=start.numbers("p"),
-        **_read_motion(top, False, _CLASSICAL_PICTURES),
+        name=name,
+        system=system,
+        **words,
+        **_read_body(body, system),
+        gamma=start.numbers(halves[0], length),
+        M=start.numbers(halves[1], length),
+        tilted=start.flag("tilted") if plain else False,
+        **(_read_orbit(top, plain) if orbit else _read_motion(top, plain, pictures)),
         place=place,
     )
 
 
-def _read_motion(top: Table, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
+def _read_motion(top: Table, plain: bool, pictures: tuple[str, ...]) -> dict[str, Any]:
     """The contents of ``[run]``, ``[report]`` and ``[output]`` of a motion.
 
     ``pictures`` are the pictures that may be asked for. The name of the second one, such as "sphere", is also a key of
@@ -222,14 +201,22 @@ def _section(top: Table, key: str, known: tuple[str, ...]) -> Table:
     return Table(f"{top.place} [{key}]", top.content.get(key, {}), known)
 
 
-def _read_size(body: Table, system: str) -> dict[str, Any]:
-    """The keys d, mass and radius: d, or mass and radius, for a ball; d for a tilde; none for other systems."""
-    given = {key: body.number(key) if key in body else None for key in ("d", "mass", "radius")}
-    if system == "chaplygin_ball":
-        present = [key for key, value in given.items() if value is not None]
-        if present not in (["d"], ["mass", "radius"]):
-            body.fail("d", f"{' and '.join(present) or 'nothing'} given; either d, or mass and radius, are needed")
-    return given
+def _read_body(body: Table, system: str) -> dict[str, Any]:
+    """The contents of ``[body]``. A ball has d, or mass and radius; a tilde may have d."""
+    keys, sizes = SYSTEMS[system].keys, ("d", "mass", "radius")
+    if SYSTEMS[system].room == "classical":
+        constants = tuple((key, body.number_or_numbers(key)) for key in keys)
+        return {"inertia": (), **dict.fromkeys(sizes), "constants": constants}
+    inertia, present = body.numbers("inertia", 3), [key for key in sizes if key in body]
+    given = {key: body.number(key) if key in present else None for key in sizes}
+    if system == "chaplygin_ball" and present not in (["d"], ["mass", "radius"]):
+        body.fail("d", f"{' and '.join(present) or 'nothing'} given; either d, or mass and radius, are needed")
+    return {
+        "inertia": inertia,
+        **given,
+        "potential": body.numbers("potential", 5) if "potential" in body else None,
+        "c": body.number("c") if system == "gyroscopic" else None,
+    }
 
 
 MOST_TIMES = 10_000_000

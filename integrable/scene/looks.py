@@ -12,6 +12,7 @@ LOOKS: dict[str, tuple[str, str, bool]] = {
     "divisor flow": (BLUE, "o", True),
     "integrated": ("#004A73", "H", True),
     "additions": ("#0072B3", "8", True),
+    "elliptic curves": ("#0072B4", "p", True),
     "Bäcklund steps": ("#56B4E9", "P", True),
     "SciPy DOP853": (ORANGE, "s", True),
     "SciPy DOP853, compiled": ("#F4A582", "v", False),

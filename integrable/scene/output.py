@@ -14,7 +14,7 @@ from typing import Any
 
 from integrable.extras import version_of
 from integrable.files.whole import FULL, reason, replacing
-from integrable.scene.data import Scene
+from integrable.scene.data import Scene, plain
 from jacobian.errors import ArgumentError
 
 __all__ = ["SCHEMA", "OutputFolder", "as_json", "machine", "portable", "result", "versions"]
@@ -117,15 +117,7 @@ def as_json(content: dict[str, Any]) -> str:
 
 
 def _arrays(trajectory: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    return {name: _plain(getattr(trajectory, name)) for name in names}
-
-
-def _plain(values: Any) -> Any:
-    if hasattr(values, "tolist"):
-        values = values.tolist()
-    if isinstance(values, list | tuple):
-        return [_plain(value) for value in values]
-    return values if isinstance(values, int | float) else str(values)
+    return {name: plain(getattr(trajectory, name)) for name in names}
 
 
 def versions() -> dict[str, str | None]:

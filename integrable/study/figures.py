@@ -13,7 +13,7 @@ from integrable.scene.looks import BLUE, INK, ORANGE
 from integrable.scene.tables import plain_power
 from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
 from integrable.study.plan import FLOW, INTEGRATED
-from integrable.study.plot import FAINT, FLOOR, STYLE, WIDTH, as_bytes, decades, look_of, new_figure
+from integrable.study.plot import FAINT, FLOOR, STYLE, WIDTH, as_bytes, decades, faint_grid, look_of, new_figure
 
 __all__ = ["as_bytes", "drawings", "error_against_run_time", "floors"]
 
@@ -147,9 +147,7 @@ def floors(findings: Sequence[SceneFindings]) -> Any:
             axes.text(x, 1.01, label, fontsize=8.5, color=INK, **place)
         axes.set(xscale="log", xlabel="largest error of the flow in floats / floor; left is better")
         axes.set_yticks(range(0, -len(shown), -1), [f.scene.name for f, _, _ in shown], fontsize=8.5)
-        axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
+        faint_grid(axes)
         handles = [
             Line2D([], [], color=colour, marker=marker, linestyle="none", label=label)
             for label, colour, marker in (("γ or q", BLUE, "o"), ("M or p", ORANGE, "s"))

@@ -19,7 +19,7 @@ set-up includes a new body each time. The floor is eps·conditioning, the effect
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -34,8 +34,8 @@ from integrable.scene.tables import DOP853
 from integrable.study.measure import flow_run, measured
 from integrable.study.plan import Limits, Task
 from integrable.study.report import FIRST_USE, Report, Row, TruthCheck, closing, opening, row_line
-from integrable.study.timing import NOBODY, Tick, Watch, silent
-from integrable.study.truth import INTEGRATED, Truth, kept, moved_by, parts
+from integrable.study.timing import Tick, silent
+from integrable.study.truth import INTEGRATED, Judge, Truth, moved_by, parts
 
 __all__ = ["measure", "pieces_of_work"]
 
@@ -47,27 +47,31 @@ PATIENCE = 0.1
 
 def pieces_of_work(scene: Scene, digits: int) -> int:
     """The number of calls of ``tick`` by :func:`measure`."""
-    return sum(task.pieces for task in _Run(scene, digits).tasks)
+    run = _Run(scene, digits)
+    return sum(task.pieces for task in (*run.flows, *run.truths.values(), *run.rivals, *run.others))
 
 
-def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tuple[Report, Any]:
+def measure(
+    scene: Scene, digits: int, tick: Tick, line: Tick = silent, own: Callable[[Any], None] = silent
+) -> tuple[Report, Any]:
     """Measure ``scene.report``, and return the report with the trajectory at ``digits`` digits.
 
-    ``tick(label)`` is called before each piece of work.
+    ``tick(label)`` is called before each piece of work, ``line`` with each line of the table as soon as it is known,
+    and ``own`` with the trajectory, before anything else is computed.
     """
     run = _Run(scene, digits, tick)
-    trajectory = run.flow(run.own)
-    watch.own(trajectory)
+    trajectory = run.flow(run.flows[0])
+    own(trajectory)
     rows: list[Row] = []
     for task in (*run.flows, *run.rivals):
         found = run.rows(task)
         head = [] if rows else opening(run.report(found))
         rows += found
-        for line in (*head, *(row_line(run.report(rows), row) for row in found)):
-            watch.line(line)
+        for text in (*head, *(row_line(run.report(rows), row) for row in found)):
+            line(text)
     report = run.finished(rows)
-    for line in closing(report):
-        watch.line(line)
+    for text in closing(report):
+        line(text)
     return report, trajectory
 
 
@@ -87,12 +91,9 @@ class _Run:
 
     # --- the tasks
 
-    def _given(self, cost: float) -> Scene:
-        """The scene for a row of ``cost`` digits; its numbers are rounded to doubles if row or run is in floats."""
-        return self.scene if min(cost, self.digits) > FLOAT_DIGITS else self.rounded
-
     def _task(self, kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1) -> Task:
-        given = self._given(value if kind in ("flow", "truth") else FLOAT_DIGITS)
+        # the scene's numbers are rounded to doubles if row or run is in floats
+        given = self.scene if kind in ("flow", "truth") and min(value, self.digits) > FLOAT_DIGITS else self.rounded
         return Task(given, given.name, kind, method, setting, value, self.limits, label=label, pieces=pieces)
 
     @cached_property
@@ -102,10 +103,6 @@ class _Run:
         names = {cost: "floats" if cost <= FLOAT_DIGITS else f"{cost} digits" for cost in (self.digits, *asked.digits)}
         tasks = [self._task("flow", self.moved, name, cost, name, asked.repeat) for cost, name in names.items()]
         return [tasks[0], *sorted(tasks[1:], key=lambda task: task.value or 0)]
-
-    @property
-    def own(self) -> Task:
-        return self.flows[0]
 
     @cached_property
     def rivals(self) -> list[Task]:
@@ -139,19 +136,17 @@ class _Run:
             tasks.append(self._task("floor", "conditioning", "floor", FLOAT_DIGITS, "conditioning"))
         return tasks
 
-    @property
-    def tasks(self) -> list[Task]:
-        return [*self.flows, *self.truths.values(), *self.rivals, *self.others]
-
     # --- execution of the tasks
+
+    def _measured(self, task: Task, truth: dict[str, Any] | None = None) -> dict[str, Any]:
+        with _pieces(task, self.tick) as step:
+            return measured(task, truth, step)
 
     def truth(self, given: Scene) -> dict[str, Any]:
         """The truth of a scene, computed at the first call."""
         exact = given is self.scene
         if exact not in self._truths:
-            task = self.truths[exact]
-            with _pieces(task, self.tick) as step:
-                self._truths[exact] = measured(task, None, step)
+            self._truths[exact] = self._measured(self.truths[exact])
         return self._truths[exact]
 
     def flow(self, task: Task) -> Any:
@@ -175,16 +170,15 @@ class _Run:
             return [row]
         return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
 
-    def _judge(self, task: Task) -> Truth:
+    def _judge(self, task: Task) -> Judge:
         """The reference for a row's errors: the truth. For the run's own result it is the first of ``flows`` that has
         at least MORE digits more, if there is one.
         """
         finer = [one for one in self.flows if (one.value or 0) >= self.digits + MORE and one.scene is task.scene]
-        if task is not self.own or not finer:
+        if task is not self.flows[0] or not finer:
             return Truth(task.scene, self.truth(task.scene))
-        digits = int(finer[0].value or 0)
-        system, _ = task.scene.start(digits)
-        return Truth(task.scene, kept(system, [self.flow(finer[0])], digits))
+        digits, found = int(finer[0].value or 0), self.flow(finer[0])
+        return Judge(*task.scene.start(digits + 10), found.gamma, found.M)
 
     def _rival(self, task: Task) -> Row:
         """The row of SciPy's integrator. If the integrator failed, the row has the reason and no figures."""
@@ -194,8 +188,7 @@ class _Run:
                 return replace(row, note="not run: SciPy is not installed")
         held = self.truth(task.scene)
         try:
-            with _pieces(task, self.tick) as step:
-                return replace(row, **measured(task, held, step))
+            return replace(row, **self._measured(task, held))
         except (RuntimeError, ArithmeticError) as error:
             return replace(row, note=str(error))
 
@@ -219,11 +212,10 @@ class _Run:
         """The finished report, with the check of the truth, the floor, and the distance of the divisor from its curve
         after many additions (``residual_growth``).
         """
-        check = self.truth(self.own.scene)["check"]
+        check = self.truth(self.flows[0].scene)["check"]
         found: dict[str, Any] = {}
         for task in self.others:
-            with _pieces(task, self.tick) as step:
-                found |= measured(task, None, step)
+            found |= self._measured(task)
         return replace(
             self.report(rows),
             truth=TruthCheck(**{name: value for name, value in check.items() if name != "by"}),

@@ -16,7 +16,7 @@ from typing import Any
 from integrable.oracles.method import Spent
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
-from integrable.scene.data import Scene
+from integrable.scene.data import Scene, Steps
 from integrable.scene.orbit import Orbit, orbit
 from integrable.scene.tables import aligned, duration, figure
 from integrable.steps.translation import Translation
@@ -45,6 +45,10 @@ class OrbitRow:
     seconds_per_step: float
     runs: int
     growth: tuple[tuple[int, float], ...] = ()
+
+
+Measured = tuple[Orbit, list[OrbitRow], int | None, float | None]
+"""An orbit, the rows of its report, the digits of its truth and the jump of :class:`OrbitReport`."""
 
 
 @dataclass(frozen=True)
@@ -112,29 +116,33 @@ def measure_orbit(scene: Scene, digits: int, tick: Tick) -> Orbit:
     """
     steps = scene.steps
     assert steps is not None, "the scene has no [steps]"
-    if scene.finite_field:
-        return _exact(scene, tick)
+    kept, rows, truth_digits, jump = (_exact if scene.finite_field else _real)(scene, steps, digits, tick)
+    report = OrbitReport(scene.title, _words(steps), steps.count, steps.repeat, tuple(rows), truth_digits, jump)
+    return replaced(kept, report=report)
+
+
+def _real(scene: Scene, steps: Steps, digits: int, tick: Tick) -> Measured:
+    """The orbit at ``digits`` digits, and a row for each number of digits, against the orbit at more digits."""
     truth_digits = max(steps.truth_digits, digits + 10)
     tick(f"truth, {truth_digits} digits")
     system, state = scene.start(truth_digits)
     step = scene.step(system, truth_digits)
     truth = orbit(step, state, steps.count)
     judge = Judge(system, state, truth.gamma, truth.M)
-    rows, kept = [], None
+    rows, kept = [], truth
     for cost in sorted({*steps.digits, digits}):
         setting = "floats" if cost <= FLOAT_DIGITS else f"{cost} digits"
-        found, costs = _timed(scene, cost, partial(tick, setting))
+        found, costs = _timed(scene, steps, cost, partial(tick, setting))
         judged = judge.judge(found.gamma, found.M)
         growth = enumerate(map(float, judge.distances(found.gamma, judge.gamma)))
         rows.append(OrbitRow(setting, cost, **judged, **costs, growth=tuple(growth)))
         kept = found if cost == digits else kept
-    assert kept is not None
-    return replaced(kept, report=_report(scene, rows, truth_digits, _jump(step, state, truth)))
+    return kept, rows, truth_digits, _jump(step, state, truth)
 
 
-def _exact(scene: Scene, tick: Tick) -> Orbit:
+def _exact(scene: Scene, steps: Steps, _: int, tick: Tick) -> Measured:
     """The orbit over the scene's finite field. The drift of an integral is the number of states where it changed."""
-    found, costs = _timed(scene, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
+    found, costs = _timed(scene, steps, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
     system, state = scene.start(FLOAT_DIGITS)
     before = system.integrals(state)
     after = [system.integrals(x) for x in found.states]
@@ -143,20 +151,11 @@ def _exact(scene: Scene, tick: Tick) -> Orbit:
         for i, (name, value) in enumerate(zip(before._fields, before, strict=True))
     }
     row = OrbitRow("exact", None, 0.0, 0.0, drift, **costs)
-    jump = _jump(scene.step(system, FLOAT_DIGITS), state, found)
-    return replaced(found, report=_report(scene, [row], None, jump))
+    return found, [row], None, _jump(scene.step(system, FLOAT_DIGITS), state, found)
 
 
-def _report(scene: Scene, rows: list[OrbitRow], truth_digits: int | None, jump: float | None) -> OrbitReport:
-    assert scene.steps is not None
-    count, repeat = scene.steps.count, scene.steps.repeat
-    return OrbitReport(scene.title, _words(scene), count, repeat, tuple(rows), truth_digits, jump)
-
-
-def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, dict[str, Any]]:
+def _timed(scene: Scene, steps: Steps, digits: int, tick: Callable[[], None]) -> tuple[Orbit, dict[str, Any]]:
     """An orbit and its cost; each run uses a new system and map."""
-    steps = scene.steps
-    assert steps is not None
 
     def once() -> Timed:
         system, state = scene.start(digits)
@@ -191,13 +190,9 @@ def _jump(step: Any, state: State, found: Orbit) -> float | None:
     )
 
 
-def _words(scene: Scene) -> str:
-    assert scene.steps is not None
-    maps = []
-    for one in scene.steps.maps:
-        given = (f"{key} = {_shown(value)}" for key, value in one.arguments)
-        maps.append(f"{one.kind}({', '.join(given)})")
-    return ", then ".join(maps)
+def _words(steps: Steps) -> str:
+    given = (", ".join(f"{key} = {_shown(value)}" for key, value in one.arguments) for one in steps.maps)
+    return ", then ".join(f"{one.kind}({words})" for one, words in zip(steps.maps, given, strict=True))
 
 
 def _shown(value: Any) -> str:

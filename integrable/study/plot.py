@@ -96,6 +96,11 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def write(axes: Any, text: str, at: Any, shift: tuple[int, int], colour: str, **more: Any) -> None:
+    """Writes a text at a point of a diagram, shifted by some points of print."""
+    axes.annotate(text, at, xytext=shift, textcoords="offset points", color=colour, **{"fontsize": 8.5, **more})
+
+
 def work_precision(report: Report) -> Figure:
     """A diagram of run time against the error of γ or q, both logarithmic: lower left is better.
 
@@ -124,16 +129,9 @@ def work_precision(report: Report) -> Figure:
 
 def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
     axes.axhline(floor, **FLOOR)
-    words: dict[str, Any] = {"fontsize": 8.5, "color": FLOOR["color"], "textcoords": "offset points"}
-    left = _more_room_left(rows, floor)
-    place: dict[str, Any] = {
-        "xy": (0 if left else 1, floor),
-        "xycoords": ("axes fraction", "data"),
-        "xytext": (4 if left else -4, 4),
-        "ha": "left" if left else "right",
-        "va": "bottom",
-    }
-    axes.annotate(f"inputs rounded to doubles: {floor:.0e}", **place, **words)
+    x, shift, side = (0, 4, "left") if _more_room_left(rows, floor) else (1, -4, "right")
+    text, across = f"inputs rounded to doubles: {floor:.0e}", ("axes fraction", "data")
+    write(axes, text, (x, floor), (shift, 4), FLOOR["color"], xycoords=across, ha=side, va="bottom")
 
 
 def _more_room_left(rows: list[Row], floor: float) -> bool:
@@ -177,12 +175,8 @@ def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
     """
     # a white background keeps the label legible where a line of the diagram crosses the text
     behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
-    text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
-    if side > 0:
-        axes.annotate(row.setting, (row.total, row.error_gamma), xytext=(5, 3), ha="left", va="bottom", **text)
-    else:
-        below = (0, -19 if lower else -7)
-        axes.annotate(row.setting, (row.total, row.error_gamma), xytext=below, ha="center", va="top", **text)
+    shift, ha, va = ((5, 3), "left", "bottom") if side > 0 else ((0, -19 if lower else -7), "center", "top")
+    write(axes, row.setting, (row.total, row.error_gamma), shift, colour, ha=ha, va=va, bbox=behind)
 
 
 def decades(axes: Any, most: int = 8) -> None:
@@ -195,6 +189,10 @@ def decades(axes: Any, most: int = 8) -> None:
         axis.set_minor_locator(LogLocator(base=10.0, subs=range(2, 10) if decades <= 4 else (1.0,), numticks=200))
         within = np.floor(np.log10(high)) < np.ceil(np.log10(low))
         axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}") if within else NullFormatter())
+    faint_grid(axes)
+
+
+def faint_grid(axes: Any) -> None:
     axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
@@ -253,13 +251,8 @@ def coordinates(q: np.ndarray, times: np.ndarray, title: str) -> Figure:
 
 def _mark_start(axes: Any, start: np.ndarray) -> None:
     axes.plot(*start, marker="o", color=ORANGE, markersize=7, markeredgecolor="white", zorder=4)
-    words = {
-        "fontsize": 9.5,
-        "color": ORANGE,
-        "zorder": 5,
-        "bbox": {"facecolor": "white", "lw": 0, "pad": 0.8, "alpha": 0.8},
-    }
-    axes.annotate("start", start, xytext=(7, 6), textcoords="offset points", **words)
+    behind = {"facecolor": "white", "lw": 0, "pad": 0.8, "alpha": 0.8}
+    write(axes, "start", start, (7, 6), ORANGE, fontsize=9.5, zorder=5, bbox=behind)
 
 
 def _globe(axes: Any, sign: float, depth: int) -> None:
@@ -298,14 +291,13 @@ def residual_growth(report: Report) -> Figure:
     if shown.any():
         eps, low, high = float(np.finfo(float).eps), residual[shown].min(), residual[shown].max()
         axes.axhline(eps, **FLOOR)
-        words: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": INK}
-        axes.annotate("rounding of one double", (steps[shown][-1], eps), xytext=(0, 4), ha="right", **words)
+        write(axes, "rounding of one double", (steps[shown][-1], eps), (0, 4), INK, ha="right")
         # growth like √n is expected if the roundings of additions have random signs, like n if all have the same sign
         span = steps[shown] / steps[shown][0]
         for power, name in ((0.5, "∝ √n"), (1.0, "∝ n")):
             line = eps * span**power
             axes.plot(steps[shown], line, color=FAINT, linewidth=0.9, linestyle=(0, (1, 2)), zorder=1)
-            axes.annotate(name, (steps[shown][-1], line[-1]), xytext=(4, -2), **words)
+            write(axes, name, (steps[shown][-1], line[-1]), (4, -2), INK)
         axes.set_ylim(min(low, eps) / 30, max(high, eps * span[-1]) * 10)
     axes.margins(x=0.1)
     decades(axes)
@@ -331,13 +323,7 @@ def orbit_error(report: OrbitReport) -> Figure:
             axes.plot(steps[shown], error[shown], color=colour, linewidth=1.4)
             # different marks at the ends distinguish the lines for readers who do not see the colours
             axes.plot(steps[shown][-1], error[shown][-1], color=colour, marker=markers[k % len(markers)], markersize=5)
-            words: dict[str, Any] = {
-                "textcoords": "offset points",
-                "fontsize": 8.5,
-                "color": colour,
-                "va": "center",
-            }
-            axes.annotate(row.setting, (steps[shown][-1], error[shown][-1]), xytext=(7, 0), **words)
+            write(axes, row.setting, (steps[shown][-1], error[shown][-1]), (7, 0), colour, va="center")
     axes.set(xscale="log", yscale="log", xlabel="steps", ylabel="largest error of γ so far")
     axes.margins(x=0.12, y=0.1)
     decades(axes)

@@ -78,7 +78,8 @@ def first_use(task: Task) -> tuple[float, float]:
     compiling or loading compiled code.
     """
     begun = perf_counter()
-    _compile_walks(task.scene)
+    if task.kernel == "auto":  # another kernel uses no series
+        _compile_walks(task.scene)
     compiled, key = perf_counter() - begun, (task.scene.system, task.kernel)
     if key not in _KEPT:
         once = flow_once(task.scene, FLOAT_DIGITS, task.kernel)
@@ -89,23 +90,19 @@ def first_use(task: Task) -> tuple[float, float]:
 
 def _compile_walks(scene: Scene) -> None:
     """Compiles, or loads from disk, the Taylor series that systems of this kind use for times near the start. The flow
-    compiles them by itself only after some use.
+    compiles each of them by itself only when it is needed.
     """
-    from integrable.deformations.deformed_flow import DeformedFlow
-    from integrable.deformations.hamiltonian import Hamiltonian
-    from integrable.motion.near import kind_in
-    from integrable.series.steps import BEFORE_CURVES, INTEGRATED, steps_for
+    from integrable.motion.near import NearWalk
+    from integrable.series.steps import steps_for
 
     system, state = scene.start(FLOAT_DIGITS)
-    kind: Any = None
-    moved, plan = system.motion_through(state), steps_for(None)
-    if isinstance(system, Hamiltonian):
-        kind = kind_in(system, True)
-        plan = BEFORE_CURVES if isinstance(moved, DeformedFlow) else INTEGRATED
-    elif scene.classical:
-        kind = system.system._kind
-    for steps in plan if kind else ():
-        kind.walk(steps.orders)
+    if not scene.classical:
+        first = next(system.motion_through(state)._ways())
+        if isinstance(first, NearWalk):
+            first.compile()
+    elif kind := system.system._kind:
+        for steps in steps_for(None):
+            kind.walk(steps.orders)
 
 
 def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:

@@ -13,7 +13,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.scene.progress import bar_of_pieces
-from integrable.study.timing import NOBODY, Tick, Watch, silent
+from integrable.study.timing import Tick, silent
 from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import replaced
 
@@ -54,12 +54,12 @@ def run(
     pictures, progress = drawn and "matplotlib" not in missing, progress and "tqdm" not in missing
     if out is None:
         with _ticks(progress, scene, digits) as tick:
-            return _compute(scene, digits, tick, Watch(lines or silent))
+            return _compute(scene, digits, tick, lines or silent)
     from integrable.scene.output import OutputFolder
 
     with OutputFolder(out) as folder, _ticks(progress, scene, digits) as tick:
         files = _Files(scene, digits, folder, formats if pictures else ())
-        trajectory = _compute(scene, digits, tick, Watch(lines or silent, files.of_motion))
+        trajectory = _compute(scene, digits, tick, lines or silent, files.of_motion)
         files.all(trajectory)
         return trajectory
 
@@ -91,11 +91,13 @@ def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
     return {module: what for module, what in uses.items() if what}
 
 
-def _compute(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> Trajectory:
+def _compute(
+    scene: Scene, digits: int, tick: Tick, line: Tick = silent, own: Callable[[Any], None] = silent
+) -> Trajectory:
     if scene.report is not None:
         from integrable.study.motions import measure
 
-        report, run = measure(scene, digits, tick, watch)
+        report, run = measure(scene, digits, tick, line, own)
         measured: Trajectory = replaced(run, report=report)
         return measured
     if scene.steps is not None:

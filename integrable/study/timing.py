@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from integrable.oracles.method import Spent
 
-__all__ = ["NOBODY", "SCATTER", "Tick", "Timed", "Timing", "TooLong", "Watch", "at_most", "interleaved", "silent"]
+__all__ = ["SCATTER", "Tick", "Timed", "Timing", "TooLong", "at_most", "interleaved", "silent"]
 
 Tick = Callable[[str], None]
 """A function that is called with the name of each piece of work before it starts, for a progress bar."""
@@ -59,20 +59,6 @@ def at_most(seconds: float, late: BaseException | None = None, busy: bool = Fals
 
 def silent(*_: Any) -> None:
     """A tick that does nothing."""
-
-
-class Watch(NamedTuple):
-    """The callbacks of a report.
-
-    ``line`` receives each line of its table as soon as it is known. ``own`` receives the trajectory, before anything
-    else is computed.
-    """
-
-    line: Callable[[str], None] = silent
-    own: Callable[[Any], None] = silent
-
-
-NOBODY = Watch()
 
 
 class Timing(NamedTuple):

@@ -16,15 +16,18 @@ __all__ = ["MASS", "Grid", "from_words"]
 
 MOST_VALUES = 10**7
 MOST_MEMBERS = 10**8
-# columns of a row: moments, d, γ and M as in an ensemble, then c, the potential, mass and radius
-C, POTENTIAL, MASS, RADIUS, PLACES = 10, slice(11, 16), 16, 17, 18
-D, INERTIA, M = 3, slice(0, 3), slice(7, 10)
-NAMES = {
-    **{f"inertia.{i + 1}": i for i in range(3)}, "d": D, **{f"gamma.{i + 1}": 4 + i for i in range(3)},
-    **{f"M.{i + 1}": 7 + i for i in range(3)}, "c": C, **{f"potential.{i + 1}": 11 + i for i in range(5)},
-    "mass": MASS, "radius": RADIUS,
+PARTS: dict[str, Any] = {
+    "inertia": slice(0, 3), "d": 3, "gamma": slice(4, 7), "M": slice(7, 10), "c": 10, "potential": slice(11, 16),
+    "mass": 16, "radius": 17,
 }  # fmt: skip
-SCALES = {"inertia.scale": INERTIA, "M.scale": M}
+"""The columns of a row for each attribute of a scene; those of the first four are the columns of an ensemble."""
+C, MASS, RADIUS, PLACES = PARTS["c"], PARTS["mass"], PARTS["radius"], 18
+NAMES = {
+    name if isinstance(place, int) else f"{name}.{i + 1}": column
+    for name, place in PARTS.items()
+    for i, column in enumerate([place] if isinstance(place, int) else range(place.start, place.stop))
+}
+SCALES = {f"{name}.scale": PARTS[name] for name in ("inertia", "M")}
 WANTED = "first:last:count, first:last:count:log or values with commas, such as 0.1:2:50"
 
 
@@ -71,7 +74,7 @@ class Grid:
             if name in SCALES:
                 rows[:, SCALES[name]] *= given[:, None]
         if not np.isnan(self._base[MASS]):
-            rows[:, D] = rows[:, MASS] * (rows[:, RADIUS] * rows[:, RADIUS])
+            rows[:, PARTS["d"]] = rows[:, MASS] * (rows[:, RADIUS] * rows[:, RADIUS])
         return rows
 
 
@@ -79,15 +82,11 @@ def _base(scene: Scene) -> np.ndarray:
     if scene.classical:
         raise ArgumentError(f"{scene.place}: {scene.system} has no body; sweeps are of balls, tops and their relatives")
     row = np.full(PLACES, np.nan)
-    row[INERTIA], row[4:7], row[M] = ([float(x) for x in part] for part in (scene.inertia, scene.gamma, scene.M))
-    if scene.mass is not None and scene.radius is not None:
-        row[MASS], row[RADIUS] = float(scene.mass), float(scene.radius)
-    elif scene.d is not None or scene.system == "tilde":
-        row[D] = float(scene.d or 0)
-    if scene.c is not None:
-        row[C] = float(scene.c)
-    if scene.potential is not None:
-        row[POTENTIAL] = [float(x) for x in scene.potential]
+    for name, place in PARTS.items():
+        if (given := getattr(scene, name)) is not None:
+            row[place] = np.array(given, dtype=float)
+    if scene.system == "tilde":
+        row[PARTS["d"]] = float(scene.d or 0)
     return row
 
 

@@ -14,7 +14,7 @@ from integrable.ensembles.members import Starts
 from integrable.motion.trajectory import Motion
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
-from integrable.sweeps.grid import INERTIA, POTENTIAL, C, D, M
+from integrable.sweeps.grid import PARTS
 
 __all__ = ["Scenes", "done"]
 
@@ -30,22 +30,19 @@ class Scenes(Starts[Motion, Any]):
         self.scene, self.rows = scene, rows
 
     def _one(self, member: int) -> Motion:
-        exact: list[Any] = [None if np.isnan(x) else Fraction(float(x)) for x in self.rows[member]]
-        own: Any = dataclasses.replace(
-            self.scene,
-            inertia=tuple(exact[INERTIA]),
-            d=exact[D] if self.scene.d is not None or exact[D] else None,
-            gamma=tuple(exact[4:7]),
-            M=tuple(exact[M]),
-            c=exact[C],
-            potential=tuple(exact[POTENTIAL]) if self.scene.potential is not None else None,
-        )
+        parts = {name: self.rows[member, place] for name, place in PARTS.items()}
+        exact: dict[str, Any] = {name: _exact(x.tolist()) for name, x in parts.items() if not np.isnan(x).any()}
+        own = dataclasses.replace(self.scene, **exact)
         system, state = own.start(FLOAT_DIGITS)
         motion: Motion = system.motion_through(state)
         return motion
 
     def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
         return computed_singly(self._one, times, out)
+
+
+def _exact(numbers: Any) -> Any:
+    return tuple(map(Fraction, numbers)) if isinstance(numbers, list) else Fraction(numbers)
 
 
 def done(many: Starts[Any, Any], times: np.ndarray) -> tuple[np.ndarray, Outcome]:

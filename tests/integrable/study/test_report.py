@@ -16,7 +16,6 @@ from integrable.scene.tables import aligned, duration
 from integrable.study.motions import measure, pieces_of_work
 from integrable.study.report import Report, Row, TruthCheck
 from integrable.study.run import run
-from integrable.study.timing import Watch
 
 ASKED = Comparison(
     digits=(15, 20),
@@ -122,9 +121,9 @@ def test_digits_of_the_run_are_measured_even_if_not_listed():
 def test_the_own_result_is_there_before_truth_and_rivals():
     """The row of the package comes first, with its trajectory for pictures; then every line of the table in order."""
     labels, said = [], []
-    watch = Watch(lambda line: said.append((line, list(labels))), lambda run: said.append((run, list(labels))))
+    says = lambda what: said.append((what, list(labels)))  # noqa: E731
     asked = replace(ASKED, digits=(15, 25), truth_digits=40)
-    report, trajectory = measure(replace(short(), report=asked), 15, labels.append, watch)
+    report, trajectory = measure(replace(short(), report=asked), 15, labels.append, says, says)
     lines = [line for line, _ in said if isinstance(line, str)]
     assert "\n".join(lines) == report.table()
     own = next(done for line, done in said if isinstance(line, str) and line.startswith("divisor flow"))

@@ -817,12 +817,16 @@ def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monk
 
 
 def test_the_walks_of_the_flow_are_compiled_before_it_is_timed(monkeypatch):
-    """Compiling is no part of a run."""
+    """Compiling is no part of a run. Balls and tops used to compile their walks in the first run near the start."""
     asked = []
     monkeypatch.setattr(Kind, "walk", lambda kind, orders: asked.append((kind.name, orders)))
-    for name in ("chaplygin", "garnier", "tilde", "gyroscopic"):
+    for name in ("chaplygin", "euler_top", "garnier", "tilde", "gyroscopic"):
         rivals._compile_walks(load_scene(name))
     assert [(name.split("_")[1], *rest) for name, *rest in asked] == [
+        ("chaplyginball", WIDE),
+        ("chaplyginball", FINE.orders),
+        ("eulertop", WIDE),
+        ("eulertop", FINE.orders),
         ("garnier", WIDE),
         ("garnier", FINE.orders),
         ("tilde", WIDE),
