@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,8 +15,8 @@ from integrable.ensembles.runs import Runs
 from integrable.files.frame import Frame
 from integrable.files.quantities import status_column
 from integrable.laboratory.bodies import NEARLY, RigidBody
-from integrable.laboratory.in_files import about_body, columns_of, usual
-from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
+from integrable.laboratory.in_files import about_body, columns_of
+from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, Orientations
 from integrable.laboratory.tensor import ORTHOGONAL, Orientation, matrices_of
 from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
@@ -25,7 +24,7 @@ from integrable.phase.body import Body
 from jacobian import RR
 from jacobian.element import Table
 from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, floats, shown
-from jacobian.immutable import read_only, replaced
+from jacobian.immutable import replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
@@ -178,7 +177,7 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     return rows, frames, quick & plain(rows, rolls)
 
 
-class LaboratoryRuns(Runs):
+class LaboratoryRuns(Orientations, Runs):
     """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
     :class:`integrable.laboratory.motion.LaboratoryRun`; it raises ArgumentError for a refused member.
     """
@@ -190,70 +189,30 @@ class LaboratoryRuns(Runs):
         return "motions"
 
     @property
-    def matrices(self) -> np.ndarray:
-        """The matrices, (K, N, 3, 3), that take vectors from the axes of the inertia tensor to the laboratory."""
-        return self._rows[..., :9].reshape(*self._rows.shape[:2], 3, 3)
-
-    @property
-    def omega_body(self) -> np.ndarray:
-        """The angular velocity in the axes of the inertia tensor, (K, N, 3), in rad/s."""
-        return self._rows[..., 9:]
+    def _body(self) -> Any:
+        return self.ensemble.body
 
     @property
     def orientation(self) -> Rotation:
-        """The ``matrices`` as one Rotation of SciPy (extra ``app``) with K·N entries; NotRepresentable if a member was
-        refused.
-        """
-        from integrable.extras import needed
-
-        needed("scipy", "orientation, a Rotation,")
-        from scipy.spatial.transform import Rotation
-
+        """As for one motion, with K·N entries; NotRepresentable if a member was refused."""
         if self.status.any():
             raise NotRepresentable("orientation: some members were refused; take .kept.orientation")
-        return Rotation.from_matrix(self.matrices.reshape(-1, 3, 3))
+        return super().orientation
 
-    @cached_property
-    def quaternion(self) -> np.ndarray:
-        """The ``matrices`` as unit quaternions (w, x, y, z), shape (K, N, 4).
-
-        A member's first quaternion has w ≥ 0; each later one has the sign that brings it closer to the previous one.
-        """
-        found = attitude.quaternions(self.matrices.reshape(-1, 3, 3)).reshape(*self.matrices.shape[:2], 4)
-        return read_only(going_on(found))
-
-    @cached_property
-    def omega(self) -> np.ndarray:
-        """The angular velocity in the axes of the laboratory, (K, N, 3), in rad/s."""
-        return read_only(np.einsum("knij,knj->kni", self.matrices, self.omega_body))
-
-    @cached_property
-    def contact(self) -> np.ndarray:
-        """(x, y) of the points of contact, (K, N, 2), in m, computed by the motion of each member."""
-        found = np.full((*self.matrices.shape[:2], 2), np.nan)
+    def _path(self) -> np.ndarray:
+        found = np.full((*self._rows.shape[:2], 2), np.nan)
         for k in np.flatnonzero(self.status == 0).tolist():
             found[k] = self[k].contact
-        return read_only(found)
-
-    @cached_property
-    def centre(self) -> np.ndarray:
-        """(x, y, z) of the centres of the balls, (K, N, 3), in m."""
-        flat = self.contact
-        height = np.full((*flat.shape[:2], 1), self.ensemble.body.radius)
-        return read_only(np.concatenate([flat, np.where(np.isnan(flat[..., :1]), np.nan, height)], axis=-1))
+        return found
 
     def _one(self, member: int) -> LaboratoryRun:
         run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
         if self.status[member]:
             raise self._refusal(member)
-        return replaced(run, _found=(self.matrices[member], self.omega_body[member]))
-
-    @property
-    def _usual(self) -> tuple[str, ...]:
-        return usual(self.ensemble.body)
+        return replaced(run, _rows=self._rows[member])
 
     def _frame(self, quantities: Iterable[str] | None) -> Frame:
-        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self.ensemble.body))
+        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self._body))
         status = status_column(self._dims[:1], self.status, self.reasons)
         variables = {name: x for name, x in found.variables.items() if name != "way"} | {"status": status}
         return replace(found, variables=variables)

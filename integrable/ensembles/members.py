@@ -2,54 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
+from collections.abc import Iterator
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from integrable.ensembles.computing import Outcome, held
 from integrable.files.frame import Column
-from jacobian.element import Numbers, Rows
-from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
-from jacobian.immutable import Record, replaced
+from integrable.phase.run import Items, One
+from jacobian.element import Numbers
+from jacobian.errors import ArgumentError, floats, shown, whole
 
 AT = "member", "time"
 """The dimensions of states in files."""
 # the default size of the results of a chunk, in bytes
 CHUNK_BYTES = 1 << 26
 
-One = TypeVar("One")
 Found = TypeVar("Found")
 
 
-class Many(Record, Generic[One]):
-    """A sequence of K members: ``many[k]`` is one member, and a slice or an array of indices selects several."""
+class Many(Items[One]):
+    """A sequence of K members."""
 
-    _arrays: ClassVar[tuple[str, ...]]
-    """The names of the attributes that are arrays with a row for each member."""
+    _item = "member"
 
-    def __len__(self) -> int:
-        return len(getattr(self, self._arrays[0]))
-
-    def __getitem__(self, which: Rows) -> Any:
-        """One member, or the members chosen by a slice, an array of indices or a Boolean mask."""
-        if several(which):
-            return self._some(np.arange(len(self))[chosen(which, len(self))])
-        return self._one(member_number(which, len(self)))
-
-    def __iter__(self) -> Iterator[One]:
-        return map(self._one, range(len(self)))
-
-    def _one(self, member: int) -> One:
-        """The member with this number, 0 … K − 1; raises an error if it is refused."""
-        raise NotImplementedError
-
-    def _some(self, places: np.ndarray) -> Self:
-        return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
-
-    def _joined(self, others: Iterable[Self]) -> Self:
-        every = (self, *others)
-        return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
+    def _number(self, which: object) -> int:
+        return super()._number(which) % len(self)
 
 
 class Contents(NamedTuple):
@@ -125,11 +103,6 @@ class Starts(Many[One], Generic[One, Found]):
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
         raise NotImplementedError
-
-
-def member_number(member: Any, count: int) -> int:
-    """The index of a member as 0 … count − 1; a negative ``member`` counts from the end."""
-    return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
 
 
 def common_count(parts: dict[str, np.ndarray]) -> int:
