@@ -111,7 +111,6 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
             members, frames, quick = _principal(self)
         if interpreted() or times.shape[1] > MOST_TIMES:
             quick = np.zeros_like(quick)
-        matrices, omega = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:]
         rolls = self.body.radius is not None
 
         def part(begin: int, end: int) -> list[Said]:
@@ -119,31 +118,30 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
             which = begin + np.flatnonzero(quick[begin:end])
             if len(which):
                 had, rows, _ = short_runs(members, rolls, rolls, times, which)
-                matrices[had], omega[had] = self._in_laboratory(frames[had], rows)
+                out[had] = self._in_laboratory(frames[had], rows)
                 left[had - begin] = False
             return [own(k) for k in (begin + np.flatnonzero(left)).tolist()]
 
         def own(member: int) -> Said:
             try:
-                run = self.motion(member).at(times_of(times, member))
-                matrices[member], omega[member] = run.matrices, run.omega_body
+                out[member] = self.motion(member).at(times_of(times, member))._rows
             except JacobianError as error:
-                matrices[member], omega[member] = np.nan, np.nan
+                out[member] = np.nan
                 return Said(member, "", str(error))
             return Said(member, OWN, "")
 
         return gathered(len(self), times.shape[1], part, most, IN_LABORATORY)
 
-    def _in_laboratory(self, frames: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _in_laboratory(self, frames: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Orientations and ω of H members, from ``rows``: their γ and M in principal axes, shape (H, N, 6).
 
         ``frames`` are the rotations from the axes of :mod:`integrable.phase.attitude` to the laboratory.
         """
-        body, axes = Body.make(self.body.moments, float(self.body._d), RR), self.body.axes
+        body, axes, shape = Body.make(self.body.moments, float(self.body._d), RR), self.body.axes, rows.shape[:2]
         gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
-        turned = attitude.matrices(gamma, M).reshape(*rows.shape[:2], 3, 3)
-        omega, _ = attitude.angular_velocities(body, gamma, M)
-        return frames[:, None] @ turned @ axes.T, omega.reshape(*rows.shape[:2], 3) @ axes.T
+        turned = frames[:, None] @ attitude.matrices(gamma, M).reshape(*shape, 3, 3) @ axes.T
+        omega = attitude.angular_velocities(body, gamma, M)[0].reshape(*shape, 3) @ axes.T
+        return np.concatenate([turned.reshape(*shape, 9), omega], axis=2)
 
     def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> LaboratoryRuns:
         return LaboratoryRuns(self, times, rows, outcome)
