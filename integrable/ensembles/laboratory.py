@@ -10,7 +10,7 @@ import numpy as np
 
 from integrable.ensembles.bodies import plain, short_runs
 from integrable.ensembles.computing import USUAL, Outcome, Said, gathered
-from integrable.ensembles.members import Starts, common_count, numbers, times_of
+from integrable.ensembles.members import Starts, for_every_member, numbers, times_of
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Frame
 from integrable.files.quantities import status_column
@@ -57,13 +57,11 @@ def laboratory_ensemble(
         raise ArgumentError(f"body = {shown(body)}: give a RollingBall or a RigidBody of floats")
     if contact is not None and body.radius is None:
         raise ArgumentError("contact: a free body has none; leave it out")
-    parts = {
+    own = for_every_member({
         "orientation": _rotations(orientation),
         "omega": numbers(omega, "omega", 3),
         "contact": numbers((0, 0) if contact is None else contact, "contact", 2),
-    }
-    count = common_count(parts)
-    own = (np.broadcast_to(part, (count, *part.shape[1:])).copy() for part in parts.values())
+    })  # fmt: skip
     return LaboratoryEnsemble(body, *own)
 
 
@@ -74,7 +72,48 @@ def _rotations(orientation: Any) -> np.ndarray:
     return found.reshape(-1, 3, 3)
 
 
-class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
+class LaboratoryRuns(Orientations, Runs):
+    """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
+    :class:`integrable.laboratory.motion.LaboratoryRun`; it raises ArgumentError for a refused member.
+    """
+
+    _shared = ("body",)
+
+    @property
+    def _motions(self) -> str:
+        return "motions"
+
+    @property
+    def _body(self) -> Any:
+        return self.ensemble.body
+
+    @property
+    def orientation(self) -> Rotation:
+        """As for one motion, with K·N entries; NotRepresentable if a member was refused."""
+        if self.status.any():
+            raise NotRepresentable("orientation: some members were refused; take .kept.orientation")
+        return super().orientation
+
+    def _path(self) -> np.ndarray:
+        found = np.full((*self._rows.shape[:2], 2), np.nan)
+        for k in np.flatnonzero(self.status == 0).tolist():
+            found[k] = self[k].contact
+        return found
+
+    def _one(self, member: int) -> LaboratoryRun:
+        run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
+        if self.status[member]:
+            raise self._refusal(member)
+        return replaced(run, _rows=self._rows[member])
+
+    def _frame(self, quantities: Iterable[str] | None) -> Frame:
+        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self._body))
+        status = status_column(self._dims[:1], self.status, self.reasons)
+        variables = {name: x for name, x in found.variables.items() if name != "way"} | {"status": status}
+        return replace(found, variables=variables)
+
+
+class LaboratoryEnsemble(Starts[LaboratoryMotion, LaboratoryRuns]):
     """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
     at time 0.
 
@@ -83,7 +122,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
     computed by :meth:`motion`.
     """
 
-    _columns, _arrays = COLUMNS, ("orientations", "omega", "contacts")
+    _columns, _arrays, _runs = COLUMNS, ("orientations", "omega", "contacts"), LaboratoryRuns
 
     def __init__(self, body: RigidBody, orientations: np.ndarray, omega: np.ndarray, contacts: np.ndarray) -> None:
         self.body, self.orientations, self.omega, self.contacts = body, orientations, omega, contacts
@@ -143,9 +182,6 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
         omega = attitude.angular_velocities(body, gamma, M)[0].reshape(*shape, 3) @ axes.T
         return np.concatenate([turned.reshape(*shape, 9), omega], axis=2)
 
-    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> LaboratoryRuns:
-        return LaboratoryRuns(self, times, rows, outcome)
-
 
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """For each member the moments, d, γ and M in principal axes, shape (K, 10); the rotation from the axes of
@@ -173,44 +209,3 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     quick = np.linalg.norm(np.cross(gamma, M), axis=1) > 2 * NEARLY * np.linalg.norm(M, axis=1)
     quick &= (off < ORTHOGONAL / 2) & (np.linalg.det(given) > 0) & (aside[:, 1] > ASIDE * aside[:, 2])
     return rows, frames, quick & plain(rows, rolls)
-
-
-class LaboratoryRuns(Orientations, Runs):
-    """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
-    :class:`integrable.laboratory.motion.LaboratoryRun`; it raises ArgumentError for a refused member.
-    """
-
-    _shared = ("body",)
-
-    @property
-    def _motions(self) -> str:
-        return "motions"
-
-    @property
-    def _body(self) -> Any:
-        return self.ensemble.body
-
-    @property
-    def orientation(self) -> Rotation:
-        """As for one motion, with K·N entries; NotRepresentable if a member was refused."""
-        if self.status.any():
-            raise NotRepresentable("orientation: some members were refused; take .kept.orientation")
-        return super().orientation
-
-    def _path(self) -> np.ndarray:
-        found = np.full((*self._rows.shape[:2], 2), np.nan)
-        for k in np.flatnonzero(self.status == 0).tolist():
-            found[k] = self[k].contact
-        return found
-
-    def _one(self, member: int) -> LaboratoryRun:
-        run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
-        if self.status[member]:
-            raise self._refusal(member)
-        return replaced(run, _rows=self._rows[member])
-
-    def _frame(self, quantities: Iterable[str] | None) -> Frame:
-        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self._body))
-        status = status_column(self._dims[:1], self.status, self.reasons)
-        variables = {name: x for name, x in found.variables.items() if name != "way"} | {"status": status}
-        return replace(found, variables=variables)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -49,6 +49,9 @@ class Contents(NamedTuple):
 class Starts(Many[One], Generic[One, Found]):
     """K motions at time 0, whose states at given times are computed together."""
 
+    _runs: Callable[..., Found]
+    """The class of the results of :meth:`at`."""
+
     @property
     def _columns(self) -> int:
         """The number of floats of a state."""
@@ -80,7 +83,7 @@ class Starts(Many[One], Generic[One, Found]):
             raise ArgumentError(f"out = {shown(out)}: an array of float64 of shape {shape} is needed")
         elif not out.flags.writeable:
             raise ArgumentError("out is read-only: an array that can be written to is needed")
-        return self._found(given, out, self._computed(given, out))
+        return self._runs(self, given, out, self._computed(given, out))
 
     def chunks(self, times: Numbers, members: int | None = None) -> Iterator[Found]:
         """Yields the results of :meth:`at` for ``members`` members at a time, in order.
@@ -101,19 +104,17 @@ class Starts(Many[One], Generic[One, Found]):
         """
         raise NotImplementedError
 
-    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
-        raise NotImplementedError
 
-
-def common_count(parts: dict[str, np.ndarray]) -> int:
-    """The number of members, from arrays with one row in all or one for each member; ArgumentError where they do not
-    broadcast.
+def for_every_member(parts: dict[str, np.ndarray]) -> list[np.ndarray]:
+    """Arrays with a row for each member, from arrays that have such rows or one row for all; ArgumentError where they
+    do not broadcast.
     """
     counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}
     if len(set(counts.values())) > 1:
         said = ", ".join(f"{name} has {count}" for name, count in counts.items())
         raise ArgumentError(f"members do not broadcast: {said}; give each one row, or one for every member")
-    return next(iter(counts.values()), 1)
+    count = next(iter(counts.values()), 1)
+    return [np.broadcast_to(part, (count, *part.shape[1:])).copy() for part in parts.values()]
 
 
 def numbers(values: Any, argument: str, width: int) -> np.ndarray:

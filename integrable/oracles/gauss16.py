@@ -155,9 +155,10 @@ def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
-def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
-    """The larger of (h·|c|)²/|γ|² and (h·|c|)²/|M|², where c is the last Legendre coefficient of the slopes ``k`` of γ
-    or of M at the stages: an estimate of the step's error, of order h^16.
+def _tail(weights, k, h, y):  # type: ignore[no-untyped-def]
+    """The larger of (h·|c|)²/|γ|² and (h·|c|)²/|M|², where c is the sum of the slopes ``k`` of γ or of M at the stages
+    with these ``weights``. If they give the last Legendre coefficient, this is an estimate of the step's error, of
+    order h^16.
     """
     found = 0.0
     half = len(y) // 2
@@ -166,27 +167,12 @@ def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
         for n in range(base, base + half):
             coefficient = 0.0
             for i in range(STAGES):
-                coefficient += last[i] * k[n, i]
+                coefficient += weights[i] * k[n, i]
             tail += coefficient * coefficient
             size += y[n] * y[n]
         if size > 0:
             found = max(found, h * h * tail / size)
     return found
-
-
-@register_jitable(**INLINED)
-def _speed(y, k):  # type: ignore[no-untyped-def]
-    """The larger of |γ̇|/|γ| and |Ṁ|/|M|, with the slopes of the first stage."""
-    speed = 0.0
-    half = len(y) // 2
-    for base in (0, half):
-        size, rate = 0.0, 0.0
-        for n in range(base, base + half):
-            size += y[n] * y[n]
-            rate += k[n, 0] * k[n, 0]
-        if size > 0:
-            speed = max(speed, np.sqrt(rate / size))
-    return speed
 
 
 def slopes(c, y, out):  # type: ignore[no-untyped-def]
@@ -302,7 +288,9 @@ def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-un
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low = np.empty(STAGES), np.empty(STAGES)
     _write(y, out, 0, len(times))
-    speed = _speed(y, k)
+    high[:], high[0] = 0.0, 1.0
+    # the larger of |γ̇|/|γ| and |Ṁ|/|M|: at the start the slopes of all stages are equal
+    speed = np.sqrt(_tail(high, k, 1.0, y))
     if speed == 0:
         return 0
     step, length = 0.5 / speed, 0.0
