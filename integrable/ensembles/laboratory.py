@@ -62,7 +62,7 @@ def laboratory_ensemble(
         "omega": numbers(omega, "omega", 3),
         "contact": numbers((0, 0) if contact is None else contact, "contact", 2),
     })  # fmt: skip
-    return LaboratoryEnsemble(body, *own)
+    return LaboratoryEnsemble(body, *map(np.array, own))
 
 
 def _rotations(orientation: Any) -> np.ndarray:
@@ -150,6 +150,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, LaboratoryRuns]):
             members, frames, quick = _principal(self)
         if interpreted() or times.shape[1] > MOST_TIMES:
             quick = np.zeros_like(quick)
+        matrices, omega = out[..., :9].reshape(*out.shape[:2], 3, 3), out[..., 9:]
         rolls = self.body.radius is not None
 
         def part(begin: int, end: int) -> list[Said]:
@@ -157,7 +158,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, LaboratoryRuns]):
             which = begin + np.flatnonzero(quick[begin:end])
             if len(which):
                 had, rows, _ = short_runs(members, rolls, rolls, times, which)
-                out[had] = self._in_laboratory(frames[had], rows)
+                matrices[had], omega[had] = self._in_laboratory(frames[had], rows)
                 left[had - begin] = False
             return [own(k) for k in (begin + np.flatnonzero(left)).tolist()]
 
@@ -171,7 +172,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, LaboratoryRuns]):
 
         return gathered(len(self), times.shape[1], part, most, IN_LABORATORY)
 
-    def _in_laboratory(self, frames: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def _in_laboratory(self, frames: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Orientations and ω of H members, from ``rows``: their γ and M in principal axes, shape (H, N, 6).
 
         ``frames`` are the rotations from the axes of :mod:`integrable.phase.attitude` to the laboratory.
@@ -179,8 +180,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, LaboratoryRuns]):
         body, axes, shape = Body.make(self.body.moments, float(self.body._d), RR), self.body.axes, rows.shape[:2]
         gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
         turned = frames[:, None] @ attitude.matrices(gamma, M).reshape(*shape, 3, 3) @ axes.T
-        omega = attitude.angular_velocities(body, gamma, M)[0].reshape(*shape, 3) @ axes.T
-        return np.concatenate([turned.reshape(*shape, 9), omega], axis=2)
+        return turned, attitude.angular_velocities(body, gamma, M)[0].reshape(*shape, 3) @ axes.T
 
 
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -114,7 +114,7 @@ def for_every_member(parts: dict[str, np.ndarray]) -> list[np.ndarray]:
         said = ", ".join(f"{name} has {count}" for name, count in counts.items())
         raise ArgumentError(f"members do not broadcast: {said}; give each one row, or one for every member")
     count = next(iter(counts.values()), 1)
-    return [np.broadcast_to(part, (count, *part.shape[1:])).copy() for part in parts.values()]
+    return [np.broadcast_to(part, (count, *part.shape[1:])) for part in parts.values()]
 
 
 def numbers(values: Any, argument: str, width: int) -> np.ndarray:

@@ -93,7 +93,7 @@ class PathEnsemble(Starts[MumfordFlow, Paths]):
                 f"system = {shown(system)}: an ensemble is of floats; use system.flow(...) for each member"
             )
         given = {name: numbers(x, name, system.size) for name, x in (("q", q), ("p", p))}
-        (self.q, self.p), self.system = for_every_member(given), system
+        (self.q, self.p), self.system = map(np.array, for_every_member(given)), system
         self.tolerance = system._tolerance(tolerance)
 
     @property

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from integrable.extras import needed
 from integrable.files.exported import Exported
+from integrable.files.frame import Column, Frame
+from integrable.laboratory.in_files import about_body, columns_of, usual
 from integrable.laboratory.ways import numbers
 from integrable.phase import attitude
 from integrable.phase.run import Items
@@ -20,7 +23,6 @@ from jacobian.immutable import Immutable, read_only
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-    from integrable.files.frame import Frame
     from integrable.laboratory.fit import OrientationFit
     from integrable.portrait.portrait import Portrait
 
@@ -109,8 +111,6 @@ class Orientations(Exported):
 
     @property
     def _usual(self) -> tuple[str, ...]:
-        from integrable.laboratory.in_files import usual
-
         return usual(self._body)
 
     @property
@@ -123,8 +123,6 @@ class Orientations(Exported):
         """The ``matrices`` as one Rotation of SciPy (the extra ``app``), in floats; of several motions, one after the
         other.
         """
-        from integrable.extras import needed
-
         needed("scipy", "orientation, a Rotation,")
         from scipy.spatial.transform import Rotation
 
@@ -142,7 +140,9 @@ class Orientations(Exported):
     @cached_property
     def omega(self) -> np.ndarray:
         """The angular velocity in the axes of the laboratory, shape (…, N, 3), in rad/s."""
-        return read_only(np.einsum("...ij,...j->...i", self.matrices, self.omega_body))
+        flat = self._rows.reshape(-1, 12)
+        found = np.einsum("nij,nj->ni", flat[:, :9].reshape(-1, 3, 3), flat[:, 9:])
+        return read_only(found.reshape(*self._rows.shape[:-1], 3))
 
     @property
     def omega_body(self) -> np.ndarray:
@@ -192,9 +192,6 @@ class LaboratoryRun(Orientations, Items[Instant]):
         return self._joined(others)
 
     def _frame(self, quantities: Iterable[str]) -> Frame:
-        from integrable.files.frame import Column, Frame
-        from integrable.laboratory.in_files import about_body, columns_of
-
         time = Column(("time",), self.times, "s", "physical time t")
         return Frame(("time",), {"time": time}, columns_of(("time",), self, quantities), about_body(self._body))
 
