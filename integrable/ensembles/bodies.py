@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from integrable.ensembles.computing import Outcome, Said, gathered
-from integrable.ensembles.members import AT, common_count, numbers, times_of, times_of_some
+from integrable.ensembles.members import AT, for_every_member, numbers, times_of, times_of_some
 from integrable.files.frame import Column
 from integrable.files.quantities import columns
 from integrable.motion.domain import HEAVIEST, LARGEST, WIDEST
@@ -71,15 +71,13 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
             raise ArgumentError(f"{name}: {type(system).__name__} has one body for all members; leave {name} out")
     if own["d"] and isinstance(system, EulerTop):
         raise ArgumentError(f"d = {shown(d)}: an EulerTop has d = 0; use a ChaplyginBall")
-    parts = {
+    x, m, moments, offsets = for_every_member({
         "gamma": numbers(gamma, "gamma", 3),
         "M": numbers(M, "M", 3),
         "inertia": numbers(system.body.inertia if inertia is None else inertia, "inertia", 3),
         "d": numbers(system.body.d if d is None else d, "d", 0),
-    }
-    count = common_count(parts)
-    rows = [np.broadcast_to(parts[name], (count, parts[name].shape[1])) for name in ("inertia", "d", "gamma", "M")]
-    return np.ascontiguousarray(np.hstack(rows))
+    })  # fmt: skip
+    return np.hstack([moments, offsets, x, m])
 
 
 def system_of(system: Any, row: np.ndarray) -> Any:

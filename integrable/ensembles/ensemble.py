@@ -79,7 +79,7 @@ class Ensemble(Starts[Motion, Trajectories]):
     :meth:`flow`.
     """
 
-    _columns, _arrays = COLUMNS, ("members",)
+    _columns, _arrays, _runs = COLUMNS, ("members",), Trajectories
 
     def __init__(self, system: PhaseSpace[float] | Hamiltonian, members: np.ndarray, tilted: bool) -> None:
         self.system, self.members, self.tilted = system, members, tilted
@@ -133,6 +133,3 @@ class Ensemble(Starts[Motion, Trajectories]):
 
     def _computed(self, times: np.ndarray, out: np.ndarray, most: int | None = None) -> Outcome:
         return computed(self.system, self.members, self.tilted, times, out, most)
-
-    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Trajectories:
-        return Trajectories(self, times, rows, outcome)

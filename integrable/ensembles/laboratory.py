@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.ensembles.bodies import plain, short_runs
 from integrable.ensembles.computing import USUAL, Outcome, Said, gathered
-from integrable.ensembles.members import Starts, common_count, numbers, times_of
+from integrable.ensembles.members import Starts, for_every_member, numbers, times_of
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Frame
 from integrable.files.quantities import status_column
 from integrable.laboratory.bodies import NEARLY, RigidBody
-from integrable.laboratory.in_files import about_body, columns_of, usual
-from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
+from integrable.laboratory.in_files import about_body, columns_of
+from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, Orientations
 from integrable.laboratory.tensor import ORTHOGONAL, Orientation, matrices_of
 from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
@@ -25,7 +24,7 @@ from integrable.phase.body import Body
 from jacobian import RR
 from jacobian.element import Table
 from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, floats, shown
-from jacobian.immutable import read_only, replaced
+from jacobian.immutable import replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
@@ -58,14 +57,12 @@ def laboratory_ensemble(
         raise ArgumentError(f"body = {shown(body)}: give a RollingBall or a RigidBody of floats")
     if contact is not None and body.radius is None:
         raise ArgumentError("contact: a free body has none; leave it out")
-    parts = {
+    own = for_every_member({
         "orientation": _rotations(orientation),
         "omega": numbers(omega, "omega", 3),
         "contact": numbers((0, 0) if contact is None else contact, "contact", 2),
-    }
-    count = common_count(parts)
-    own = (np.broadcast_to(part, (count, *part.shape[1:])).copy() for part in parts.values())
-    return LaboratoryEnsemble(body, *own)
+    })  # fmt: skip
+    return LaboratoryEnsemble(body, *map(np.array, own))
 
 
 def _rotations(orientation: Any) -> np.ndarray:
@@ -75,7 +72,48 @@ def _rotations(orientation: Any) -> np.ndarray:
     return found.reshape(-1, 3, 3)
 
 
-class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
+class LaboratoryRuns(Orientations, Runs):
+    """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
+    :class:`integrable.laboratory.motion.LaboratoryRun`; it raises ArgumentError for a refused member.
+    """
+
+    _shared = ("body",)
+
+    @property
+    def _motions(self) -> str:
+        return "motions"
+
+    @property
+    def _body(self) -> Any:
+        return self.ensemble.body
+
+    @property
+    def orientation(self) -> Rotation:
+        """As for one motion, with K·N entries; NotRepresentable if a member was refused."""
+        if self.status.any():
+            raise NotRepresentable("orientation: some members were refused; take .kept.orientation")
+        return super().orientation
+
+    def _path(self) -> np.ndarray:
+        found = np.full((*self._rows.shape[:2], 2), np.nan)
+        for k in np.flatnonzero(self.status == 0).tolist():
+            found[k] = self[k].contact
+        return found
+
+    def _one(self, member: int) -> LaboratoryRun:
+        run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
+        if self.status[member]:
+            raise self._refusal(member)
+        return replaced(run, _rows=self._rows[member])
+
+    def _frame(self, quantities: Iterable[str] | None) -> Frame:
+        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self._body))
+        status = status_column(self._dims[:1], self.status, self.reasons)
+        variables = {name: x for name, x in found.variables.items() if name != "way"} | {"status": status}
+        return replace(found, variables=variables)
+
+
+class LaboratoryEnsemble(Starts[LaboratoryMotion, LaboratoryRuns]):
     """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
     at time 0.
 
@@ -84,7 +122,7 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
     computed by :meth:`motion`.
     """
 
-    _columns, _arrays = COLUMNS, ("orientations", "omega", "contacts")
+    _columns, _arrays, _runs = COLUMNS, ("orientations", "omega", "contacts"), LaboratoryRuns
 
     def __init__(self, body: RigidBody, orientations: np.ndarray, omega: np.ndarray, contacts: np.ndarray) -> None:
         self.body, self.orientations, self.omega, self.contacts = body, orientations, omega, contacts
@@ -126,10 +164,9 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
 
         def own(member: int) -> Said:
             try:
-                run = self.motion(member).at(times_of(times, member))
-                matrices[member], omega[member] = run.matrices, run.omega_body
+                out[member] = self.motion(member).at(times_of(times, member))._rows
             except JacobianError as error:
-                matrices[member], omega[member] = np.nan, np.nan
+                out[member] = np.nan
                 return Said(member, "", str(error))
             return Said(member, OWN, "")
 
@@ -140,14 +177,10 @@ class LaboratoryEnsemble(Starts[LaboratoryMotion, "LaboratoryRuns"]):
 
         ``frames`` are the rotations from the axes of :mod:`integrable.phase.attitude` to the laboratory.
         """
-        body, axes = Body.make(self.body.moments, float(self.body._d), RR), self.body.axes
+        body, axes, shape = Body.make(self.body.moments, float(self.body._d), RR), self.body.axes, rows.shape[:2]
         gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
-        turned = attitude.matrices(gamma, M).reshape(*rows.shape[:2], 3, 3)
-        omega, _ = attitude.angular_velocities(body, gamma, M)
-        return frames[:, None] @ turned @ axes.T, omega.reshape(*rows.shape[:2], 3) @ axes.T
-
-    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> LaboratoryRuns:
-        return LaboratoryRuns(self, times, rows, outcome)
+        turned = frames[:, None] @ attitude.matrices(gamma, M).reshape(*shape, 3, 3) @ axes.T
+        return turned, attitude.angular_velocities(body, gamma, M)[0].reshape(*shape, 3) @ axes.T
 
 
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -176,84 +209,3 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     quick = np.linalg.norm(np.cross(gamma, M), axis=1) > 2 * NEARLY * np.linalg.norm(M, axis=1)
     quick &= (off < ORTHOGONAL / 2) & (np.linalg.det(given) > 0) & (aside[:, 1] > ASIDE * aside[:, 2])
     return rows, frames, quick & plain(rows, rolls)
-
-
-class LaboratoryRuns(Runs):
-    """Orientations and ω of K motions at N times each, ``times`` in s. ``runs[k]`` is one member, a
-    :class:`integrable.laboratory.motion.LaboratoryRun`; it raises ArgumentError for a refused member.
-    """
-
-    _shared = ("body",)
-
-    @property
-    def _motions(self) -> str:
-        return "motions"
-
-    @property
-    def matrices(self) -> np.ndarray:
-        """The matrices, (K, N, 3, 3), that take vectors from the axes of the inertia tensor to the laboratory."""
-        return self._rows[..., :9].reshape(*self._rows.shape[:2], 3, 3)
-
-    @property
-    def omega_body(self) -> np.ndarray:
-        """The angular velocity in the axes of the inertia tensor, (K, N, 3), in rad/s."""
-        return self._rows[..., 9:]
-
-    @property
-    def orientation(self) -> Rotation:
-        """The ``matrices`` as one Rotation of SciPy (extra ``app``) with K·N entries; NotRepresentable if a member was
-        refused.
-        """
-        from integrable.extras import needed
-
-        needed("scipy", "orientation, a Rotation,")
-        from scipy.spatial.transform import Rotation
-
-        if self.status.any():
-            raise NotRepresentable("orientation: some members were refused; take .kept.orientation")
-        return Rotation.from_matrix(self.matrices.reshape(-1, 3, 3))
-
-    @cached_property
-    def quaternion(self) -> np.ndarray:
-        """The ``matrices`` as unit quaternions (w, x, y, z), shape (K, N, 4).
-
-        A member's first quaternion has w ≥ 0; each later one has the sign that brings it closer to the previous one.
-        """
-        found = attitude.quaternions(self.matrices.reshape(-1, 3, 3)).reshape(*self.matrices.shape[:2], 4)
-        return read_only(going_on(found))
-
-    @cached_property
-    def omega(self) -> np.ndarray:
-        """The angular velocity in the axes of the laboratory, (K, N, 3), in rad/s."""
-        return read_only(np.einsum("knij,knj->kni", self.matrices, self.omega_body))
-
-    @cached_property
-    def contact(self) -> np.ndarray:
-        """(x, y) of the points of contact, (K, N, 2), in m, computed by the motion of each member."""
-        found = np.full((*self.matrices.shape[:2], 2), np.nan)
-        for k in np.flatnonzero(self.status == 0).tolist():
-            found[k] = self[k].contact
-        return read_only(found)
-
-    @cached_property
-    def centre(self) -> np.ndarray:
-        """(x, y, z) of the centres of the balls, (K, N, 3), in m."""
-        flat = self.contact
-        height = np.full((*flat.shape[:2], 1), self.ensemble.body.radius)
-        return read_only(np.concatenate([flat, np.where(np.isnan(flat[..., :1]), np.nan, height)], axis=-1))
-
-    def _one(self, member: int) -> LaboratoryRun:
-        run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
-        if self.status[member]:
-            raise self._refusal(member)
-        return replaced(run, _found=(self.matrices[member], self.omega_body[member]))
-
-    @property
-    def _usual(self) -> tuple[str, ...]:
-        return usual(self.ensemble.body)
-
-    def _frame(self, quantities: Iterable[str] | None) -> Frame:
-        found = self._frame_of(columns_of(self._dims, self, quantities), about_body(self.ensemble.body))
-        status = status_column(self._dims[:1], self.status, self.reasons)
-        variables = {name: x for name, x in found.variables.items() if name != "way"} | {"status": status}
-        return replace(found, variables=variables)

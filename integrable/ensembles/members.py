@@ -2,54 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
+from collections.abc import Callable, Iterator
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from integrable.ensembles.computing import Outcome, held
 from integrable.files.frame import Column
-from jacobian.element import Numbers, Rows
-from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
-from jacobian.immutable import Record, replaced
+from integrable.phase.run import Items, One
+from jacobian.element import Numbers
+from jacobian.errors import ArgumentError, floats, shown, whole
 
 AT = "member", "time"
 """The dimensions of states in files."""
 # the default size of the results of a chunk, in bytes
 CHUNK_BYTES = 1 << 26
 
-One = TypeVar("One")
 Found = TypeVar("Found")
 
 
-class Many(Record, Generic[One]):
-    """A sequence of K members: ``many[k]`` is one member, and a slice or an array of indices selects several."""
+class Many(Items[One]):
+    """A sequence of K members."""
 
-    _arrays: ClassVar[tuple[str, ...]]
-    """The names of the attributes that are arrays with a row for each member."""
+    _item = "member"
 
-    def __len__(self) -> int:
-        return len(getattr(self, self._arrays[0]))
-
-    def __getitem__(self, which: Rows) -> Any:
-        """One member, or the members chosen by a slice, an array of indices or a Boolean mask."""
-        if several(which):
-            return self._some(np.arange(len(self))[chosen(which, len(self))])
-        return self._one(member_number(which, len(self)))
-
-    def __iter__(self) -> Iterator[One]:
-        return map(self._one, range(len(self)))
-
-    def _one(self, member: int) -> One:
-        """The member with this number, 0 … K − 1; raises an error if it is refused."""
-        raise NotImplementedError
-
-    def _some(self, places: np.ndarray) -> Self:
-        return replaced(self, **{name: getattr(self, name)[places] for name in self._arrays})
-
-    def _joined(self, others: Iterable[Self]) -> Self:
-        every = (self, *others)
-        return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
+    def _number(self, which: object) -> int:
+        return super()._number(which) % len(self)
 
 
 class Contents(NamedTuple):
@@ -70,6 +48,9 @@ class Contents(NamedTuple):
 
 class Starts(Many[One], Generic[One, Found]):
     """K motions at time 0, whose states at given times are computed together."""
+
+    _runs: Callable[..., Found]
+    """The class of the results of :meth:`at`."""
 
     @property
     def _columns(self) -> int:
@@ -102,7 +83,7 @@ class Starts(Many[One], Generic[One, Found]):
             raise ArgumentError(f"out = {shown(out)}: an array of float64 of shape {shape} is needed")
         elif not out.flags.writeable:
             raise ArgumentError("out is read-only: an array that can be written to is needed")
-        return self._found(given, out, self._computed(given, out))
+        return self._runs(self, given, out, self._computed(given, out))
 
     def chunks(self, times: Numbers, members: int | None = None) -> Iterator[Found]:
         """Yields the results of :meth:`at` for ``members`` members at a time, in order.
@@ -123,24 +104,17 @@ class Starts(Many[One], Generic[One, Found]):
         """
         raise NotImplementedError
 
-    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Found:
-        raise NotImplementedError
 
-
-def member_number(member: Any, count: int) -> int:
-    """The index of a member as 0 … count − 1; a negative ``member`` counts from the end."""
-    return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
-
-
-def common_count(parts: dict[str, np.ndarray]) -> int:
-    """The number of members, from arrays with one row in all or one for each member; ArgumentError where they do not
-    broadcast.
+def for_every_member(parts: dict[str, np.ndarray]) -> list[np.ndarray]:
+    """Arrays with a row for each member, from arrays that have such rows or one row for all; ArgumentError where they
+    do not broadcast.
     """
     counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}
     if len(set(counts.values())) > 1:
         said = ", ".join(f"{name} has {count}" for name, count in counts.items())
         raise ArgumentError(f"members do not broadcast: {said}; give each one row, or one for every member")
-    return next(iter(counts.values()), 1)
+    count = next(iter(counts.values()), 1)
+    return [np.broadcast_to(part, (count, *part.shape[1:])) for part in parts.values()]
 
 
 def numbers(values: Any, argument: str, width: int) -> np.ndarray:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from integrable.ensembles.computing import Outcome, Said, gathered
-from integrable.ensembles.members import AT, Contents, Starts, common_count, numbers, times_of, times_of_some
+from integrable.ensembles.members import AT, Contents, Starts, for_every_member, numbers, times_of, times_of_some
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import Quantity, checked, columns, made_of
@@ -39,23 +39,62 @@ OF_SYSTEMS = tuple(dict.fromkeys([*OF_PATHS, *WAYS]))
 PARTS = ("q", "p")
 
 
-class PathEnsemble(Starts[MumfordFlow, "Paths"]):
+class Paths(Runs):
+    """States of K motions of a system at N times each. ``runs[k]`` is one member, a
+    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and ``estimates``, of length K, are
+    the ways of the members and the estimates of their errors.
+    """
+
+    _arrays, _shared = (*Runs._arrays, "estimates"), ("system", "tolerance")
+
+    def __init__(self, ensemble: PathEnsemble, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:
+        super().__init__(ensemble, times, rows, outcome)
+        self.estimates = outcome.estimates
+
+    @property
+    def q(self) -> np.ndarray:
+        """The positions, shape (K, N, n)."""
+        return self._rows[..., : self.ensemble.system.size]
+
+    @property
+    def p(self) -> np.ndarray:
+        """The momenta or velocities, shape (K, N, n)."""
+        return self._rows[..., self.ensemble.system.size :]
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        return PARTS
+
+    def _one(self, member: int) -> Path:
+        if self.status[member]:
+            raise self._refusal(member)
+        times, estimate = times_of(self._times, member), float(self.estimates[member])
+        return Path(times, np.hstack([self.q[member], self.p[member]]), self.ways[member], estimate)
+
+    def _frame(self, quantities: Iterable[str]) -> Frame:
+        system, dims, among = self.ensemble.system, self._dims, self.ensemble._quantities
+        arrays = {name: getattr(self, name) for name in checked(quantities, among)}
+        estimate = Column(dims[:1], self.estimates, "1", "estimate of the largest error relative to q or p")
+        return self._frame_of({**columns(dims, arrays, among), "estimate": estimate}, made_of(system, system.arguments))
+
+
+class PathEnsemble(Starts[MumfordFlow, Paths]):
     """Many motions of one system of any genus over RR, made by :func:`integrable.ensemble`; ``q`` and ``p`` are the
     starts, of shape (K, n). ``tolerance`` is passed to ``system.flow``.
 
     A state consists of q and p. The states equal those of :meth:`flow` bit for bit.
     """
 
-    _arrays = ("q", "p")
+    _arrays, _runs = ("q", "p"), Paths
 
     def __init__(self, system: MumfordSystem, q: Table, p: Table, tolerance: float | None = None) -> None:
         if system.field is not RR:
             raise ArgumentError(
                 f"system = {shown(system)}: an ensemble is of floats; use system.flow(...) for each member"
             )
-        parts = {name: numbers(x, name, system.size) for name, x in (("q", q), ("p", p))}
-        count, self.system, self.tolerance = common_count(parts), system, system._tolerance(tolerance)
-        self.q, self.p = (np.broadcast_to(part, (count, system.size)).copy() for part in parts.values())
+        given = {name: numbers(x, name, system.size) for name, x in (("q", q), ("p", p))}
+        (self.q, self.p), self.system = map(np.array, for_every_member(given)), system
+        self.tolerance = system._tolerance(tolerance)
 
     @property
     def _columns(self) -> int:
@@ -122,9 +161,6 @@ class PathEnsemble(Starts[MumfordFlow, "Paths"]):
         most = np.array([flow._budget(length) for flow in flows.values()])
         return walked_by_many(kind, self.system._walk_constants, starts, own, most, self.tolerance)
 
-    def _found(self, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> Paths:
-        return Paths(self, times, rows, outcome)
-
 
 def _by_flow(member: int, flow: MumfordFlow, near: Near | None, times: np.ndarray, out: np.ndarray) -> Said:
     """Computes the states of one member, some of which ``near`` may contain already, and returns the outcome."""
@@ -147,42 +183,3 @@ def _by_flow(member: int, flow: MumfordFlow, near: Near | None, times: np.ndarra
         return Said(member, "", str(error))
     whys = [] if status is None else [reasons[n] for n in status.tolist()]
     return Said(member, "", whys[0]) if len(times) and all(whys) else Said(member, way, whys, estimate)
-
-
-class Paths(Runs):
-    """States of K motions of a system at N times each. ``runs[k]`` is one member, a
-    :class:`integrable.mumford.flow.Path`, if none of its rows was refused. ``ways`` and ``estimates``, of length K, are
-    the ways of the members and the estimates of their errors.
-    """
-
-    _arrays, _shared = (*Runs._arrays, "estimates"), ("system", "tolerance")
-
-    def __init__(self, ensemble: PathEnsemble, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:
-        super().__init__(ensemble, times, rows, outcome)
-        self.estimates = outcome.estimates
-
-    @property
-    def q(self) -> np.ndarray:
-        """The positions, shape (K, N, n)."""
-        return self._rows[..., : self.ensemble.system.size]
-
-    @property
-    def p(self) -> np.ndarray:
-        """The momenta or velocities, shape (K, N, n)."""
-        return self._rows[..., self.ensemble.system.size :]
-
-    @property
-    def _usual(self) -> tuple[str, ...]:
-        return PARTS
-
-    def _one(self, member: int) -> Path:
-        if self.status[member]:
-            raise self._refusal(member)
-        times, estimate = times_of(self._times, member), float(self.estimates[member])
-        return Path(times, np.hstack([self.q[member], self.p[member]]), self.ways[member], estimate)
-
-    def _frame(self, quantities: Iterable[str]) -> Frame:
-        system, dims, among = self.ensemble.system, self._dims, self.ensemble._quantities
-        arrays = {name: getattr(self, name) for name in checked(quantities, among)}
-        estimate = Column(dims[:1], self.estimates, "1", "estimate of the largest error relative to q or p")
-        return self._frame_of({**columns(dims, arrays, among), "estimate": estimate}, made_of(system, system.arguments))

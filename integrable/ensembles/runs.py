@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from integrable.ensembles.computing import Outcome, statuses
-from integrable.ensembles.members import Many, member_number, times_of_some
+from integrable.ensembles.members import Many, times_of_some
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import reasons_text, status_column
@@ -66,7 +66,7 @@ class Runs(Many[Any], Exported):
 
     def row_status(self, member: int) -> np.ndarray:
         """0, or the number of the reason, for every row of a member: shape (N,)."""
-        member = member_number(member, len(self))
+        member = self._number(member)
         if member in self._partial:
             return read_only(self._partial[member])
         return read_only(np.full(self._rows.shape[1], self.status[member]))

@@ -11,7 +11,7 @@ from integrable.ensembles.bodies import motion_of, system_of
 from integrable.ensembles.members import times_of
 from integrable.ensembles.runs import Runs
 from integrable.files.frame import Column, Frame
-from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns
+from integrable.files.quantities import QUANTITIES, checked, columns
 from integrable.motion.trajectory import Trajectory
 from integrable.phase import attitude
 from jacobian.immutable import read_only
@@ -88,11 +88,10 @@ class Trajectories(Runs):
         return attitude.quaternions(system._attitude_along(gamma, M))
 
     def _frame(self, quantities: Iterable[str] | None) -> Frame:
-        dims, many = self._dims, self.ensemble
+        dims, contents = self._dims, self.ensemble._contents
         variables = {
             **columns(dims, {name: getattr(self, name) for name in checked(quantities)}),
             "tau": Column(dims, self.tau, "s", "time of the flow, dτ = g dt"),
-            "inertia": Column((dims[0], "axis"), many.inertia, "kg m2", "principal moments of inertia", AXES),
-            "d": Column(dims[:1], many.d, "kg m2", "mass times square of the radius"),
+            **{name: contents.parameters[name] for name in ("inertia", "d")},
         }
-        return self._frame_of(variables, about(many.system, tilted=int(many.tilted)))
+        return self._frame_of(variables, contents.attributes)

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from integrable.extras import needed
 from integrable.files.exported import Exported
+from integrable.files.frame import Column, Frame
+from integrable.laboratory.in_files import about_body, columns_of, usual
 from integrable.laboratory.ways import numbers
 from integrable.phase import attitude
+from integrable.phase.run import Items
 from jacobian import RR
 from jacobian.element import File, Numbers, Real
-from jacobian.errors import ArgumentError, NotRepresentable, chosen, one_or_more, several, shown, whole
-from jacobian.immutable import Immutable, read_only, replaced
+from jacobian.errors import ArgumentError, NotRepresentable, one_or_more, shown
+from jacobian.immutable import Immutable, read_only
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from scipy.spatial.transform import Rotation
 
-    from integrable.files.frame import Frame
     from integrable.laboratory.fit import OrientationFit
     from integrable.portrait.portrait import Portrait
 
@@ -91,61 +92,108 @@ class Instant(NamedTuple):
     contact: np.ndarray | None
 
 
-class LaboratoryRun(Exported):
+class Orientations(Exported):
+    """Orientations and angular velocities of a ``_body`` at N times: of one motion, or of K motions together, whose
+    arrays have a first dimension of length K.
+    """
+
+    _rows: np.ndarray
+    """The nine entries of each orientation, and ω in the axes of the tensor, side by side: shape (…, N, 12)."""
+
+    @property
+    def _body(self) -> Any:
+        """The body that moves."""
+        raise NotImplementedError
+
+    def _path(self) -> np.ndarray:
+        """The points of contact of a ball."""
+        raise NotImplementedError
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        return usual(self._body)
+
+    @property
+    def matrices(self) -> np.ndarray:
+        """Rotations from the axes of the tensor to the laboratory, shape (…, N, 3, 3)."""
+        return self._rows[..., :9].reshape(*self._rows.shape[:-1], 3, 3)
+
+    @property
+    def orientation(self) -> Rotation:
+        """The ``matrices`` as one Rotation of SciPy (the extra ``app``), in floats; of several motions, one after the
+        other.
+        """
+        needed("scipy", "orientation, a Rotation,")
+        from scipy.spatial.transform import Rotation
+
+        return Rotation.from_matrix(self.matrices.reshape(-1, 3, 3).astype(float))
+
+    @cached_property
+    def quaternion(self) -> np.ndarray:
+        """The ``matrices`` as unit quaternions (w, x, y, z), shape (…, N, 4).
+
+        The first of a motion has w ≥ 0; each later one has the sign that brings it closer to the previous one.
+        """
+        found = attitude.quaternions(self.matrices.reshape(-1, 3, 3))
+        return read_only(going_on(found.reshape(*self._rows.shape[:-1], 4)))
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """The angular velocity in the axes of the laboratory, shape (…, N, 3), in rad/s."""
+        flat = self._rows.reshape(-1, 12)
+        found = np.einsum("nij,nj->ni", flat[:, :9].reshape(-1, 3, 3), flat[:, 9:])
+        return read_only(found.reshape(*self._rows.shape[:-1], 3))
+
+    @property
+    def omega_body(self) -> np.ndarray:
+        """The angular velocity in the axes of the tensor, shape (…, N, 3), in rad/s."""
+        return self._rows[..., 9:]
+
+    @cached_property
+    def contact(self) -> np.ndarray:
+        """(x, y) of the points of contact in the laboratory, shape (…, N, 2), in m; NotRepresentable for a free
+        body.
+        """
+        if self._body.radius is None:
+            raise NotRepresentable(f"{shown(self._body)} does not roll: it has no point of contact")
+        return read_only(self._path())
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """(x, y, z) of the centres of the balls, shape (…, N, 3), in m."""
+        return read_only(np.concatenate([self.contact, self._body.radius + 0 * self.contact[..., :1]], axis=-1))
+
+
+class LaboratoryRun(Orientations, Items[Instant]):
     """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
 
     The arrays are of float64 over RR, and of mpf objects over MP(digits); all are read-only. ``run[k]`` is an
     :class:`Instant`; a slice, an array of indices or a Boolean mask gives the run at some of the times.
     """
 
+    _arrays = "times", "_rows"
+
     def __init__(self, motion: LaboratoryMotion, times: np.ndarray) -> None:
         self.motion, self.times = motion, times
 
-    def __len__(self) -> int:
-        return len(self.times)
+    @property
+    def _body(self) -> Any:
+        return self.motion.body
 
-    @overload
-    def __getitem__(self, which: int | np.integer) -> Instant: ...
-
-    @overload
-    def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> LaboratoryRun: ...
-
-    def __getitem__(self, which: object) -> Instant | LaboratoryRun:
-        if not several(which):
-            row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
-            contact = None if self.motion._contact is None else self.contact[row]
-            return Instant(self.times[row], self.matrices[row], self.omega[row], contact)
-        places = np.arange(len(self))[chosen(which, len(self))]
-        found = {"_found": tuple(part[places] for part in self._found)} if "_found" in vars(self) else {}
-        return replaced(self, times=self.times[places], **found)
-
-    def __iter__(self) -> Iterator[Instant]:
-        return map(self.__getitem__, range(len(self)))
+    def _one(self, row: int) -> Instant:
+        contact = None if self.motion._contact is None else self.contact[row]
+        return Instant(self.times[row], self.matrices[row], self.omega[row], contact)
 
     def concatenated(self, *others: LaboratoryRun) -> LaboratoryRun:
         """The run at these times and then at the times of the ``others``, which must be runs of the same motion."""
         for other in others:
             if not isinstance(other, LaboratoryRun) or other.motion != self.motion:
                 raise ArgumentError(f"others: {shown(other)} given; runs of the same motion are needed")
-        every = (self, *others)
-        return replaced(
-            self,
-            times=np.concatenate([run.times for run in every]),
-            _found=tuple(np.concatenate(parts) for parts in zip(*(run._found for run in every), strict=True)),
-        )
-
-    @property
-    def _usual(self) -> tuple[str, ...]:
-        from integrable.laboratory.in_files import usual
-
-        return usual(self.motion.body)
+        return self._joined(others)
 
     def _frame(self, quantities: Iterable[str]) -> Frame:
-        from integrable.files.frame import Column, Frame
-        from integrable.laboratory.in_files import about_body, columns_of
-
         time = Column(("time",), self.times, "s", "physical time t")
-        return Frame(("time",), {"time": time}, columns_of(("time",), self, quantities), about_body(self.motion.body))
+        return Frame(("time",), {"time": time}, columns_of(("time",), self, quantities), about_body(self._body))
 
     def animate(self, path: File, fps: int = 25) -> None:
         """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or (with ffmpeg) .mp4.
@@ -170,64 +218,21 @@ class LaboratoryRun(Exported):
         return f"<{len(self)} times of {self.motion!r}>"
 
     @cached_property
-    def _found(self) -> tuple[np.ndarray, np.ndarray]:
+    def _rows(self) -> np.ndarray:  # type: ignore[override]
         matrices, omega = self.motion._way.at(self.times)
-        body = self.motion.body
-        axes, field = body._principal.axes, body.field
+        axes, field = self._body._principal.axes, self._body.field
+        matrices, omega = numbers(field, matrices), numbers(field, omega)
         # usually the principal axes are the axes of the tensor, and no product is needed
-        if (axes == np.eye(3)).all():
-            return numbers(field, matrices), numbers(field, omega)
-        axes = numbers(field, axes)
-        return numbers(field, matrices) @ axes.T, numbers(field, omega) @ axes.T
+        if not (axes == np.eye(3)).all():
+            axes = numbers(field, axes)
+            matrices, omega = matrices @ axes.T, omega @ axes.T
+        return read_only(np.hstack([matrices.reshape(-1, 9), omega]))
 
-    @cached_property
-    def matrices(self) -> np.ndarray:
-        """Rotations from the axes of the tensor to the laboratory, shape (N, 3, 3)."""
-        return read_only(self._found[0])
-
-    @property
-    def orientation(self) -> Rotation:
-        """The ``matrices`` as one Rotation of SciPy (the extra ``app``), in floats."""
-        from integrable.extras import needed
-
-        needed("scipy", "orientation, a Rotation,")
-        from scipy.spatial.transform import Rotation
-
-        return Rotation.from_matrix(self.matrices.astype(float))
-
-    @cached_property
-    def quaternion(self) -> np.ndarray:
-        """The ``matrices`` as unit quaternions (w, x, y, z), shape (N, 4).
-
-        The first has w ≥ 0; each later one has the sign that brings it closer to the previous one.
-        """
-        return read_only(going_on(attitude.quaternions(self.matrices)))
-
-    @cached_property
-    def omega(self) -> np.ndarray:
-        """The angular velocity in the axes of the laboratory, shape (N, 3), in rad/s."""
-        return read_only(np.einsum("nij,nj->ni", *self._found))
-
-    @property
-    def omega_body(self) -> np.ndarray:
-        """The angular velocity in the axes of the tensor, shape (N, 3), in rad/s."""
-        return read_only(self._found[1])
-
-    @cached_property
-    def contact(self) -> np.ndarray:
-        """(x, y) of the point of contact in the laboratory, shape (N, 2), in m; NotRepresentable for a free body."""
-        motion = self.motion
-        if motion._contact is None:
-            raise NotRepresentable(f"{shown(motion.body)} does not roll: it has no point of contact")
-        field = motion.body.field
-        path = numbers(field, motion._way.contact(self.times))
-        return read_only(path + numbers(field, np.array(motion._contact, dtype=object)))
-
-    @cached_property
-    def centre(self) -> np.ndarray:
-        """(x, y, z) of the centre of the ball, shape (N, 3), in m."""
-        height = np.full((len(self), 1), self.motion.body.radius)
-        return read_only(np.hstack([self.contact, height]))
+    def _path(self) -> np.ndarray:
+        motion, field = self.motion, self._body.field
+        origin = numbers(field, np.array(motion._contact, dtype=object))
+        path: np.ndarray = numbers(field, motion._way.contact(self.times)) + origin
+        return path
 
 
 def going_on(quaternions: np.ndarray) -> np.ndarray:

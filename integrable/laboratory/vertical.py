@@ -42,30 +42,26 @@ class Vertical(Along):
         """The path of the point of contact from the start."""
         K = self._field
         pace, advance, wide = self._rates
+        sin: Any = np.sin
+        cos: Any = np.cos
+        # each time is n periods T and ``since``; in a period the ball turns by an angle Δ, and ``half`` is nΔ/2
         if K is RR:
             counts, rest = LONG.turns_of(times, pace, wide.zero)
-            inside = self._path((rest / np.longdouble(float(pace))).astype(float))
+            since = (rest / np.longdouble(float(pace))).astype(float)
             half = 2 * np.pi * LONG.turns_of(counts, advance / 2, wide.zero)[1].astype(float)
-            return self._after(counts, half, inside, np.sin, np.cos)
-        context = K.context
-        counts = np.array([context.nint(t * pace) for t in times], dtype=object)
-        inside = self._path(np.array([K.coerce(t - n / pace) for t, n in zip(times, counts, strict=True)]))
-        half = np.array([K.coerce(wide.context.pi * advance * n) for n in counts], dtype=object)
-        return self._after(counts, half, inside, *(np.frompyfunc(f, 1, 1) for f in (context.sin, context.cos)))
-
-    def _after(self, counts: Any, half: Any, inside: Any, sin: Any, cos: Any) -> Any:
-        """The path x(nT + s) for n = ``counts`` periods T, each of which turns the ball by an angle Δ.
-
-        ``inside`` is x(s), ``half`` is nΔ/2.
-        """
-        step = np.array([self._half_turn])
-        s, c = sin(step)[0], cos(step)[0]
+        else:
+            counts = np.array([K.context.nint(t * pace) for t in times], dtype=object)
+            since = np.array([K.coerce(t - n / pace) for t, n in zip(times, counts, strict=True)])
+            half = np.array([K.coerce(wide.context.pi * advance * n) for n in counts], dtype=object)
+            sin, cos = (np.frompyfunc(f, 1, 1) for f in (K.context.sin, K.context.cos))
+        s, c = (f(np.array([self._half_turn]))[0] for f in (sin, cos))
         ends = self._path(np.array([-self._half_period, self._half_period]))
         delta = ends[1] - _turned(*_double(s, c), ends[0])
-        sums = sin(half) / s if s else counts
+        sines, cosines = sin(half), cos(half)
+        sums = sines / s if s else counts
         # with the rotation R(φ) by φ, Σ_{j<n} R(jΔ)δ = (sin(nΔ/2)/sin(Δ/2))·R((n − 1)Δ/2)δ
-        gone = sums[:, None] * _turned(sin(half) * c - cos(half) * s, cos(half) * c + sin(half) * s, delta)
-        return gone + _turned(*_double(sin(half), cos(half)), inside)
+        gone = sums[:, None] * _turned(sines * c - cosines * s, cosines * c + sines * s, delta)
+        return gone + _turned(*_double(sines, cosines), self._path(since))
 
     # --- one period of γ in the body
 

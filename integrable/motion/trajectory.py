@@ -191,7 +191,7 @@ class Trajectory(Run[State], Exported):
             error=None, digits=None,
         )  # fmt: skip
 
-    def _state(self, row: int) -> State:
+    def _one(self, row: int) -> State:
         if self._status is not None and self._status[row]:
             raise NotRepresentable(f"row {row} was refused: {self.reasons[self._status[row]]}")
         values = self._rows[row].tolist()

@@ -80,7 +80,7 @@ class Path(Run[Point[Any]]):
         rows.setflags(write=False)
         vars(self).update(_times=times, _rows=rows, way=way, estimate=estimate, error=None, digits=None)
 
-    def _state(self, row: int) -> Point:
+    def _one(self, row: int) -> Point:
         return Point(*map(tuple, self._rows[row].reshape(2, -1).tolist()))
 
 

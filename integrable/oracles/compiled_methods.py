@@ -76,9 +76,9 @@ def _built(kind: Kind, run: Callable[..., int], failure: Callable[[], Exception]
         def started(start: Sequence[Any]) -> Run:
             first = np.array([float(x) for x in start])
 
-            def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+            def reach(sign: int, distances: np.ndarray) -> tuple[np.ndarray, int]:
                 out = np.empty((len(distances), kind.size))
-                cost = run(coefficients, first, sign, distances, out)
+                cost = run(coefficients, first, float(sign), distances, out)
                 if cost < 0:
                     raise failure()
                 return out, int(cost)

@@ -152,6 +152,11 @@ def _operators(op: str) -> tuple[Callable[[Symbol, Any], Symbol], Callable[[Symb
     return lambda x, y: x._done(op, x, y), lambda x, y: x._done(op, y, x)
 
 
+def _comparison(holds: Callable[[Any, Any], Any]) -> Callable[[Symbol, Any], bool]:
+    """A comparison of :class:`Symbol`, by the values of both."""
+    return lambda x, y: bool(holds(x.value, y.value if isinstance(y, Symbol) else y))
+
+
 class Symbol:
     """A number in a recorded formula. Its operators record themselves; comparisons use its value."""
 
@@ -224,14 +229,9 @@ class Symbol:
         half = self ** (exponent // 2)
         return half * half if exponent % 2 == 0 else half * half * self
 
-    def __eq__(self, other: object) -> bool:
-        return bool(self.value == (other.value if isinstance(other, Symbol) else other))
-
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < (other.value if isinstance(other, Symbol) else other))
-
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > (other.value if isinstance(other, Symbol) else other))
+    __eq__ = _comparison(operator.eq)
+    __lt__ = _comparison(operator.lt)
+    __gt__ = _comparison(operator.gt)
 
     def __hash__(self) -> int:
         return hash((id(self.book), self.index))

@@ -155,9 +155,10 @@ def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
-def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
-    """The larger of (h·|c|)²/|γ|² and (h·|c|)²/|M|², where c is the last Legendre coefficient of the slopes ``k`` of γ
-    or of M at the stages: an estimate of the step's error, of order h^16.
+def _tail(weights, k, h, y):  # type: ignore[no-untyped-def]
+    """The larger of (h·|c|)²/|γ|² and (h·|c|)²/|M|², where c is the sum of the slopes ``k`` of γ or of M at the stages
+    with these ``weights``. If they give the last Legendre coefficient, this is an estimate of the step's error, of
+    order h^16.
     """
     found = 0.0
     half = len(y) // 2
@@ -166,27 +167,12 @@ def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
         for n in range(base, base + half):
             coefficient = 0.0
             for i in range(STAGES):
-                coefficient += last[i] * k[n, i]
+                coefficient += weights[i] * k[n, i]
             tail += coefficient * coefficient
             size += y[n] * y[n]
         if size > 0:
             found = max(found, h * h * tail / size)
     return found
-
-
-@register_jitable(**INLINED)
-def _speed(y, k):  # type: ignore[no-untyped-def]
-    """The larger of |γ̇|/|γ| and |Ṁ|/|M|, with the slopes of the first stage."""
-    speed = 0.0
-    half = len(y) // 2
-    for base in (0, half):
-        size, rate = 0.0, 0.0
-        for n in range(base, base + half):
-            size += y[n] * y[n]
-            rate += k[n, 0] * k[n, 0]
-        if size > 0:
-            speed = max(speed, np.sqrt(rate / size))
-    return speed
 
 
 def slopes(c, y, out):  # type: ignore[no-untyped-def]
@@ -260,6 +246,19 @@ def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
     )
 
 
+@register_jitable(**INLINED)
+def _stepped(constants, transposed, rule, h, ratio, before, k, work):  # type: ignore[no-untyped-def]
+    """One step of length h from the y, rest and slopes ``before`` it, which :func:`_predict` extrapolates by ``ratio``.
+
+    Returns the number of iterations, or FAILED, and the new y and rest; ``k`` holds the new slopes.
+    """
+    (nodes, weights, weights_low, _, _, inverse), (y, rest, slopes_before) = rule, before
+    high, low, y, rest = np.empty(STAGES), np.empty(STAGES), y.copy(), rest.copy()
+    _weigh(weights, weights_low, h, high, low)
+    _predict(nodes, inverse, ratio, slopes_before, k)
+    return _step(constants, transposed, (high, low), (y, rest), k, work), y, rest
+
+
 @njit(**COMPILED)
 def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
     """Integrates in steps of one length, with an extra shorter step to each time of ``times``.
@@ -268,7 +267,7 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
     """
     (sign, step), (nodes, weights, weights_low, ratios, _, inverse) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
-    high, low, part_high, part_low = np.empty(STAGES), np.empty(STAGES), np.empty(STAGES), np.empty(STAGES)
+    high, low = np.empty(STAGES), np.empty(STAGES)
     _weigh(weights, weights_low, sign * step, high, low)
     done, cost = 0.0, 0
     for t in range(len(times)):
@@ -284,10 +283,8 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
             done += 1
         _write(y, out, t, t + 1)
         if remainder > 0:
-            part, part_rest = y.copy(), rest.copy()
-            _weigh(weights, weights_low, sign * remainder, part_high, part_low)
-            _predict(nodes, inverse, remainder / step if done > 0 else 0.0, k, part_k)
-            passes = _step(constants, transposed, (part_high, part_low), (part, part_rest), part_k, work)
+            ratio, before = remainder / step if done > 0 else 0.0, (y, rest, k)
+            passes, part, _ = _stepped(constants, transposed, rule, sign * remainder, ratio, before, part_k, work)
             if passes == FAILED:
                 return FAILED
             cost += passes * STAGES
@@ -298,20 +295,20 @@ def fixed(constants, rule, start, times, setting, out):  # type: ignore[no-untyp
 @njit(**COMPILED)
 def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-untyped-def]
     """Integrates like :func:`fixed`, with each step as long as :func:`_tail` allows."""
-    (sign, tolerance), (nodes, weights, weights_low, ratios, last, inverse) = setting, rule
+    (sign, tolerance), (_, _, _, ratios, last, _) = setting, rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
-    high, low = np.empty(STAGES), np.empty(STAGES)
     _write(y, out, 0, len(times))
-    speed = _speed(y, k)
+    first = np.zeros(STAGES)
+    first[0] = 1.0
+    # the larger of |γ̇|/|γ| and |Ṁ|/|M|: at the start the slopes of all stages are equal
+    speed = np.sqrt(_tail(first, k, 1.0, y))
     if speed == 0:
         return 0
     step, length = 0.5 / speed, 0.0
     now, now_low, cost, t = 0.0, 0.0, 0, 0
     while t < len(times):
-        next_y, next_rest = y.copy(), rest.copy()
-        _predict(nodes, inverse, step / length if length > 0 else 0.0, k, part_k)
-        _weigh(weights, weights_low, sign * step, high, low)
-        passes = _step(constants, transposed, (high, low), (next_y, next_rest), part_k, work)
+        ratio, before = step / length if length > 0 else 0.0, (y, rest, k)
+        passes, next_y, next_rest = _stepped(constants, transposed, rule, sign * step, ratio, before, part_k, work)
         cost += (MOST_ITERATIONS if passes == FAILED else passes) * STAGES
         error = np.inf if passes == FAILED else _tail(last, part_k, step, y)
         if error > 8 * tolerance:
@@ -321,10 +318,9 @@ def adaptive(constants, rule, start, times, setting, out):  # type: ignore[no-un
             continue
         # each requested time within the step is reached by a shorter step
         while t < len(times) and (times[t] - now) - now_low <= step:
-            part, part_rest, remainder = y.copy(), rest.copy(), (times[t] - now) - now_low
-            _predict(nodes, inverse, remainder / length if length > 0 else 0.0, k, guess)
-            _weigh(weights, weights_low, sign * remainder, high, low)
-            passes = _step(constants, transposed, (high, low), (part, part_rest), guess, work)
+            remainder = (times[t] - now) - now_low
+            ratio = remainder / length if length > 0 else 0.0
+            passes, part, _ = _stepped(constants, transposed, rule, sign * remainder, ratio, before, guess, work)
             if passes == FAILED:
                 return FAILED
             cost += passes * STAGES

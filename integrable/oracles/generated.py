@@ -27,7 +27,7 @@ import numpy as np
 from numpy import exp, sqrt
 from numba.extending import register_jitable
 from integrable.oracles.gauss16 import (
-    FAILED, MOST_ITERATIONS, STAGES, _add, _low_part, _predict, _speed, _sums, _tail, _weigh, _write,
+    FAILED, MOST_ITERATIONS, STAGES, _add, _low_part, _predict, _sums, _tail, _weigh, _write,
 )
 from integrable.oracles.exact_floats import COMPILED, INLINED, two_sum, whole_steps
 from integrable.oracles.taylor_compiled import _increment, _reach, convolved, exponential, quotient, root

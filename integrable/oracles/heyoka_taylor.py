@@ -87,7 +87,7 @@ def _of_any_times(
     """A run for times of any order and sign; ``propagated`` takes a single time or a grid that begins at 0."""
     half, zero = len(first) // 2, number(0)
 
-    def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+    def reach(sign: int, distances: np.ndarray) -> tuple[np.ndarray, int]:
         grid, back = np.unique(distances, return_inverse=True)
         if len(grid) == 1:
             values, count = propagated(sign * grid)

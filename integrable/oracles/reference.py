@@ -10,7 +10,7 @@ runs any of SciPy's integrators on any equations. :func:`taylor` is a Taylor-ser
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
@@ -71,7 +71,7 @@ def integrated(
     needed("scipy", f"SciPy's {method}")
     from scipy.integrate import solve_ivp
 
-    def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+    def reach(sign: int, distances: np.ndarray) -> tuple[np.ndarray, int]:
         knots, back = np.unique(distances, return_inverse=True)
         span = (0.0, sign * knots[-1])
         solution = solve_ivp(rates, span, start, method=method, t_eval=sign * knots, rtol=rtol, atol=atol)
@@ -95,8 +95,7 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     """
     context = _context(digits, 12)
     series = _Series(context, [_number(context, x) for x in body.inertia], _number(context, body.d), digits)
-    table = _followed(context, state, times, series.follow)
-    return Solution(table[:, :3], table[:, 3:], series.expansions)
+    return _solved(context, state, times, series.reach)
 
 
 def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
@@ -107,21 +106,20 @@ def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
     """
     context = _context(digits, 0)
     rates = body_equations([_number(context, x) for x in body.inertia], _number(context, body.d))
-    evaluations = 0
 
-    def counted(_time: Any, y: Any) -> list[Any]:
-        nonlocal evaluations
-        evaluations += 1
-        return rates(y)
+    def reach(start: list[Any], sign: int, distances: np.ndarray) -> tuple[list[Any], int]:
+        evaluations = 0
 
-    def follow(start: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
-        # odefun only integrates forwards: for negative times the equations are reversed
-        solution = context.odefun(lambda t, y: [sign * x for x in counted(t, y)], context.zero, start)
-        for i in order:
-            rows[i] = list(solution(abs(wanted[i])))
+        def reversible(_time: Any, y: Any) -> list[Any]:
+            nonlocal evaluations
+            evaluations += 1
+            # odefun only integrates forwards: for negative times the equations are reversed
+            return [sign * x for x in rates(y)]
 
-    table = _followed(context, state, times, follow)
-    return Solution(table[:, :3], table[:, 3:], evaluations)
+        solution = context.odefun(reversible, context.zero, start)
+        return [list(solution(distance)) for distance in distances], evaluations
+
+    return _solved(context, state, times, reach)
 
 
 def _context(digits: int, guard: int) -> Any:
@@ -134,15 +132,11 @@ def _context(digits: int, guard: int) -> Any:
     return context
 
 
-def _followed(context: Any, state: Start, times: Iterable[Any], follow: Callable[..., None]) -> np.ndarray:
-    """γ and M at ``times``, shape (N, 6), dtype object. ``follow`` is called as :meth:`_Series.follow` is."""
-    wanted = [_number(context, time) for time in times]
+def _solved(context: Any, state: Start, times: Iterable[Any], reach: Callable[..., tuple[Any, int]]) -> Solution:
+    """γ and M at ``times``, in mpf. ``reach`` is called as :meth:`_Series.reach` is."""
     start = [_number(context, x) for x in (*state.gamma, *state.M)]
-    rows: list[list[Any]] = [start] * len(wanted)
-    for sign in (1, -1):
-        order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
-        follow(start, order, wanted, sign, rows)
-    return np.array(rows, dtype=object).reshape(len(rows), 6)
+    wanted = np.array([_number(context, time) for time in times], dtype=object)
+    return by_sign(np.array(start, dtype=object), wanted, partial(reach, start))
 
 
 def _number(context: Any, value: Any) -> Any:
@@ -164,27 +158,25 @@ class _Series:
         self.q = [moment * a for moment, a in zip(inertia, self.a, strict=True)]
         self.tolerance = context.mpf(10) ** -(digits + 5)
         self.order = int(1.16 * (digits + 5)) + 4  # ½ ln(1/tolerance), Jorba & Zou's optimal order
-        self.expansions = 0
 
-    def follow(self, y: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
-        """Writes ``rows[i]``, the state at ``wanted[i]``, for i in ``order``: the indices of the times of one ``sign``,
-        by distance from 0. ``y`` is the state at time 0.
+    def reach(self, y: list[Any], sign: int, distances: np.ndarray) -> tuple[list[Any], int]:
+        """The states at ascending ``distances`` from time 0, where the state is ``y``, towards times of this ``sign``;
+        and the number of expansions.
         """
-        now = self.context.zero
-        pending = list(reversed(order))
-        while pending:
+        now, rows, expansions, count = self.context.zero, list[Any](), 0, len(distances)
+        while len(rows) < count:
             series = self.expand(y)
+            expansions += 1
             step = self.step(series)
-            while pending and abs(wanted[pending[-1]]) <= now + step:
-                i = pending.pop()
-                rows[i] = self.evaluate(series, wanted[i] - sign * now)
-            if pending:
+            while len(rows) < count and distances[len(rows)] <= now + step:
+                rows.append(self.evaluate(series, sign * (distances[len(rows)] - now)))
+            if len(rows) < count:
                 y = self.evaluate(series, sign * step)
                 now += step
+        return rows, expansions
 
     def expand(self, y: list[Any]) -> list[list[Any]]:
         """Taylor coefficients of the six components at y, orders 0 to ``self.order``."""
-        self.expansions += 1
         dot, a, d = self.context.fdot, self.a, self.d
         x, m = [[value] for value in y[:3]], [[value] for value in y[3:]]
         w: list[list[Any]] = [[], [], []]

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any, TypeVar
 
 from integrable.phase import coordinates
@@ -29,7 +29,6 @@ from integrable.phase.state import State
 from jacobian.element import Arithmetic, Real
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.fields.protocol import Field
-from jacobian.immutable import replaced
 
 Space = TypeVar("Space", bound=PhaseSpace)
 Variables = tuple[Any, ...]
@@ -108,8 +107,7 @@ def over(system: Space, field: Any) -> Space:
     """The same system over another field, such as jets over its own field, to which its numbers are converted."""
     if hasattr(system, "over"):
         return system.over(field)
-    body = system.body
-    return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
+    return system._of_constants(field, [*map(field.coerce, system.constants)])
 
 
 def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
@@ -177,22 +175,27 @@ def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State)
 # --- identities of a structure
 
 
+def entry_slopes(
+    K: Field, matrix: Callable[[Any, Variables], Matrix], point: Variables
+) -> tuple[Matrix, dict[tuple[int, int], Variables]]:
+    """A matrix that depends on the point, at ``point``, and the derivatives of its entries (i, j)."""
+    places = list(product(range(len(point)), range(len(point))))
+    rows = jacobian_matrix(K, lambda field, x: [matrix(field, x)[i][j] for i, j in places], point)
+    return matrix(K, tuple(point)), dict(zip(places, rows, strict=True))
+
+
 def jacobi_defects(
     K: Field, matrix: Callable[[Any, Variables], Matrix], point: Variables
 ) -> dict[tuple[int, int, int], Real]:
     """The sums {x_i, {x_j, x_k}} + {x_j, {x_k, x_i}} + {x_k, {x_i, x_j}} at ``point``, by (i, j, k), i < j < k. All are
     zero for a Poisson structure.
     """
-    size = len(point)
-    entries = [(j, k) for j in range(size) for k in range(size)]
-    rows = jacobian_matrix(K, lambda field, x: [matrix(field, x)[j][k] for j, k in entries], point)
-    slopes = dict(zip(entries, rows, strict=True))
-    values = matrix(K, tuple(point))
+    values, slopes = entry_slopes(K, matrix, point)
     return {
         (i, j, k): K.add(
             K.add(K.dot(values[i], slopes[j, k]), K.dot(values[j], slopes[k, i])), K.dot(values[k], slopes[i, j])
         )
-        for i, j, k in combinations(range(size), 3)
+        for i, j, k in combinations(range(len(point)), 3)
     }
 
 

@@ -17,7 +17,7 @@ from math import inf
 from typing import Any
 
 from integrable.phase.body import Body, elements
-from integrable.phase.brackets import Matrix, Variables, jacobian_matrix, weighted_matrix
+from integrable.phase.brackets import Matrix, Variables, entry_slopes, weighted_matrix
 from integrable.phase.separation import phi
 from jacobian import linear, poly
 from jacobian.element import Real
@@ -71,9 +71,7 @@ def nijenhuis_torsion(
     as in :func:`integrable.phase.brackets.jacobian_matrix`. (Nijenhuis 1951.)
     """
     size, dot = len(point), K.dot
-    places = [(i, j) for i in range(size) for j in range(size)]
-    rows = jacobian_matrix(K, lambda field, x: [operator(field, x)[i][j] for i, j in places], point)
-    slopes, N = dict(zip(places, rows, strict=True)), operator(K, tuple(point))
+    N, slopes = entry_slopes(K, operator, point)
     columns = list(zip(*N, strict=True))
 
     def component(i: int, j: int, k: int) -> Real:
@@ -81,7 +79,7 @@ def nijenhuis_torsion(
         turned = [K.sub(slopes[n, k][j], slopes[n, j][k]) for n in range(size)]
         return K.sub(along, dot(N[i], turned))
 
-    return {(i, j, k): component(i, j, k) for i, j in places for k in range(j + 1, size)}
+    return {(i, j, k): component(i, j, k) for i, j in slopes for k in range(j + 1, size)}
 
 
 def rank(K: Field, matrix: tuple[tuple[Real, ...], ...]) -> int:

@@ -1,8 +1,8 @@
-"""States of a motion at given times: the base class of the results of all flows."""
+"""States of a motion at given times: the base classes of the results of all flows."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 
 import numpy as np
@@ -14,14 +14,58 @@ from jacobian.immutable import Record, replaced
 ROUNDED = 2.0**-53
 
 One = TypeVar("One")
-"""The type of one state."""
+"""The type of one item."""
 
 
-class Run(Record, Generic[One]):
+class Items(Record, Generic[One]):
+    """A sequence of N items that are stored as rows of arrays. ``items[k]`` is one item; a slice or an array of indices
+    or booleans gives several, as a value of the same type.
+    """
+
+    _arrays: ClassVar[tuple[str, ...]]
+    """The attributes with an entry for each item, or None; the first is no cached result."""
+    _item: ClassVar[str] = "row"
+    """The word for one item in messages."""
+
+    def __len__(self) -> int:
+        return len(getattr(self, self._arrays[0]))
+
+    def __iter__(self) -> Iterator[One]:
+        return map(self._one, range(len(self)))
+
+    @overload
+    def __getitem__(self, which: int | np.integer) -> One: ...
+
+    @overload
+    def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Self: ...
+
+    def __getitem__(self, which: Any) -> One | Self:
+        if several(which):
+            return self._some(np.arange(len(self))[chosen(which, len(self))])
+        return self._one(self._number(which))
+
+    def _number(self, which: object) -> int:
+        """The index of an item, −N … N − 1; ArgumentError for other values."""
+        count = len(self)
+        return whole(which, self._item, f"the {self._item}s are 0 … {count - 1}", -count, count - 1)
+
+    def _one(self, place: int) -> One:
+        """The item at this place; raises an error if it was refused."""
+        raise NotImplementedError
+
+    def _some(self, places: np.ndarray) -> Self:
+        # arrays that were not computed yet are not computed here
+        parts = {name: x[places] for name in self._arrays if (x := vars(self).get(name)) is not None}
+        return replaced(self, **parts)
+
+    def _joined(self, others: Iterable[Self]) -> Self:
+        every = (self, *others)
+        return replaced(self, **{name: np.concatenate([getattr(x, name) for x in every]) for name in self._arrays})
+
+
+class Run(Items[One]):
     """N states of a motion, the base of :class:`integrable.motion.trajectory.Trajectory` (γ and M of a body) and
     :class:`integrable.mumford.flow.Path` (q and p of another system).
-
-    ``run[k]`` is one state; a slice or an array of indices or booleans gives a run of several states.
     """
 
     way: str
@@ -31,36 +75,10 @@ class Run(Record, Generic[One]):
     _times: np.ndarray | None
     # row k: both vectors of state k side by side
     _rows: np.ndarray
-    _arrays: ClassVar[tuple[str, ...]] = ("_times", "_rows", "error", "digits")
-    """The attributes with an entry for each state, or None."""
+    _arrays: ClassVar[tuple[str, ...]] = ("_rows", "_times", "error", "digits")
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {len(self)} states, by {self.way}>"
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    def __iter__(self) -> Iterator[One]:
-        return map(self._state, range(len(self)))
-
-    @overload
-    def __getitem__(self, which: int | np.integer) -> One: ...
-
-    @overload
-    def __getitem__(self, which: slice | Sequence[int] | np.ndarray) -> Self: ...
-
-    def __getitem__(self, which: object) -> One | Self:
-        if several(which):
-            return self._some(np.arange(len(self))[chosen(which, len(self))])
-        return self._state(whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1))
-
-    def _state(self, row: int) -> One:
-        """The state of one row; defined by subclasses."""
-        raise NotImplementedError
-
-    def _some(self, places: np.ndarray) -> Self:
-        parts = {name: value[places] for name in self._arrays if (value := getattr(self, name)) is not None}
-        return replaced(self, **parts)
 
     @property
     def times(self) -> np.ndarray:

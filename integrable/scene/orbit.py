@@ -36,7 +36,7 @@ class Orbit(Trajectory):
         """Raises NotRepresentable: orbits cannot be concatenated, because each step starts from the previous one."""
         raise NotRepresentable(f"concatenated: {self!r} is an orbit, whose steps follow one another")
 
-    def _state(self, row: int) -> State:
+    def _one(self, row: int) -> State:
         return self.states[row]
 
     def _some(self, places: np.ndarray) -> Self:

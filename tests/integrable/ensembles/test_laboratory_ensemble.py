@@ -136,3 +136,11 @@ def test_bad_input_is_named_in_one_line(call, message):
     with pytest.raises(ArgumentError, match=message) as caught:
         call()
     assert "\n" not in str(caught.value)
+
+
+def test_a_free_body_has_no_contact_even_if_all_members_are_refused() -> None:
+    runs = laboratory_ensemble(RigidBody((1, 1.5, 2)), np.eye(3), [[np.nan, 0, 1]] * 2).at([0.0, 1.0])
+    assert runs.status.all()
+    for name in ("contact", "centre"):
+        with pytest.raises(NotRepresentable, match="it has no point of contact"):
+            getattr(runs, name)

@@ -28,7 +28,7 @@ from integrable.oracles.discrete_tops import (
 from integrable.oracles.method import problem_of, timed_run
 from integrable.oracles.methods import METHODS, time_scale
 from integrable.oracles.reference import body_equations, equations, is_body, taylor
-from integrable.oracles.stepping import split_times
+from integrable.oracles.stepping import divided, follow
 from integrable.phase.jets import JetField
 from integrable.scene.file import load_scene, scene_names
 from jacobian import MP, QQ, PrecisionLoss
@@ -359,11 +359,11 @@ def test_a_time_does_not_depend_on_the_other_times() -> None:
 
 
 def test_whole_steps_are_counted_without_rounding() -> None:
-    assert split_times([0.3, -1.0, 1.0, 0.0], 0.1, 1) == [(0, 2, float(Fraction(0.3) - 2 * Fraction(0.1))),
-                                                          (2, 9, float(1 - 9 * Fraction(0.1)))]  # fmt: skip
-    assert split_times([0.5, -1.0], 0.25, -1) == [(1, 4, 0.0)]
+    assert divided(0.3, 0.1) == (2, float(Fraction(0.3) - 2 * Fraction(0.1)))
+    assert divided(1.0, 0.1) == (9, float(1 - 9 * Fraction(0.1)))
+    assert divided(1.0, 0.25) == (4, 0.0)
     with pytest.raises(ArgumentError, match=r"step = 0\.0"):
-        split_times([1.0], 0.0, 1)
+        follow(lambda y, h, memory: (y, memory, 1), [1.0, 0.0], [1.0], 0.0)
 
 
 def test_refusals() -> None:
