@@ -50,6 +50,8 @@ SPARE = 20
 GUARD, DIGITS_APART = 6, 4
 # largest rotation, in radians, for which a clock is set up
 FARTHEST = 1e100
+# largest rotation, in radians, over which a motion without a clock is integrated in floats: half a second
+NEAR = 64
 # periods lose DIGITS_A_GAP digits for each leading digit that two branch points share; up to MOST_SHARED shared digits
 # are counted
 DIGITS_A_GAP, MOST_SHARED = 3, 100
@@ -108,6 +110,12 @@ class BodyFlow(MumfordFlow):
     def _by_additions(self, times: np.ndarray) -> StatesReached:
         if self._clock_of(times.tolist()):
             return super()._by_additions(times)
+        far = float(abs(times).max(initial=0)) * self._pace
+        if self.system.field is RR and far > NEAR:
+            raise PrecisionLoss(
+                f"times: this motion is on a separatrix or too near one for its clock, and {far:.1e} radians are more "
+                f"than the {NEAR} for which it is integrated in floats; use nearer times or MP(digits)"
+            )
         try:
             found = settled_digits(lambda N: self._integrated(N, times), self.digits)
         except Infeasible as error:

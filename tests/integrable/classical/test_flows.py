@@ -289,6 +289,18 @@ def test_times_far_along_a_separatrix_are_refused() -> None:
         system.flow(system.state((0.6, 0, 0.8), (0, 1, 0))).at(1e9)
 
 
+def test_a_thin_body_on_a_separatrix_is_refused_at_once() -> None:
+    """Found by fuzz: its equations were integrated for more than nine seconds before the refusal."""
+    system = Veselova((8.340993217223296, 3.249635666372671, 1.858640602856178e-11))
+    gamma, M = (
+        (0.4259449041902133, 0.0, -0.9047491025662253),
+        (-0.003250123504740791, 0.0115336933, -0.0015301187267349),
+    )
+    M = tuple(np.subtract(M, np.dot(gamma, M) * np.array(gamma)))
+    with pytest.raises(PrecisionLoss, match="radians are more than the 64"):
+        system.flow(system.state(gamma, M)).at([-126.0, -483.0, 69.0])
+
+
 def test_thirty_digits_on_a_separatrix() -> None:
     """About its middle axis a body turns uniformly; times as far as 30 were refused."""
     system = Veselova((1, 2, 4), field=MP(30))
