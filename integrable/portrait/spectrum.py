@@ -221,14 +221,15 @@ def torus_states(
     doubled = [2 if {o.place, o.place + 1} & places else 1 for o in torus.ovals]
     # the portrait may count turns in the direction opposite to that of the torus
     senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
-    start, swings_at_start = (np.array(x, dtype=float) for x in (torus.phases, torus.swings_at_start))
+    start = np.array(torus.phases, dtype=float)
+    _, swings_at_start = torus.at_phases(start[None])
     series, rates = torus.clock, np.array(torus.tau_frequencies, dtype=float)
     clock = series and OwnTime(lambda phases: series.swings_and_rates(*phases.T), rates, float(torus.slowness))
 
     def values(turns: np.ndarray) -> dict[str, np.ndarray]:
         phases = start + (clock.phases(turns) if clock else turns[:, :genus])
-        angles = torus.in_floats.at(phases)
-        turned = 2 * np.pi * turns[:, genus:] + torus.swings(angles, phases) - swings_at_start
+        angles, swings = torus.at_phases(phases)
+        turned = 2 * np.pi * turns[:, genus:] + swings - swings_at_start
         q, p = read([(np.sin(phi / 2), np.cos(phi / 2)) for phi in angles.T], list(turned.T))
         return {"q": np.stack(q, axis=-1), "p": np.stack(p, axis=-1)}
 
