@@ -21,7 +21,6 @@ from integrable.torus.clock import FarTimes
 from integrable.torus.theta_series import half_turn, inverse_factorials
 from jacobian.element import Real
 from jacobian.errors import PrecisionLoss
-from jacobian.native.code import LANES
 from jacobian.native.library import Packed
 from jacobian.numbers.double_double import double_double_row
 
@@ -40,11 +39,15 @@ class PhaseTorus(FarTimes):
     def __init__(self, torus: SeparatedTorus, read: Callable[[Row, Row], Any]) -> None:
         self._torus, self._read, self._genus, self._width = torus, read, len(torus.ovals), len(torus.forms)
         self.paces = [float(x) for x in torus.frequencies if x]
-        matrix = double_double_row(x for row in torus.parts for x in row)
-        sums = phase_sums([self._modes(rows, matrix) for rows in torus.samples])
-        self.sums = sums._replace(frequencies=double_double_row(torus.frequencies))
+        matrix, turn = double_double_row(x for row in torus.parts for x in row), 2 * half_turn()
+        series = [self._modes(rows, matrix) for rows in torus.samples]
+        long = [np.array([[0 * turn + hi + lo for hi, lo in row] for row in rows.tolist()]) for rows in series]
+        start = torus.sums(torus.start, long)
+        places = [(x if j < self._genus else -x) / turn for j, x in enumerate(start)]
+        self.sums = phase_sums(series)._replace(
+            places=double_double_row(places), frequencies=double_double_row(torus.frequencies)
+        )
         self._packed = Packed(self.sums, SUMS)
-        self._put_places()
 
     def _modes(self, rows: Sequence[Sequence[Real]], matrix: Row) -> Row:
         """The series of one oval, shape (modes, sums, 2)."""
@@ -52,20 +55,6 @@ class PhaseTorus(FarTimes):
         room, found = np.empty((2, (nodes - 1) * self._width, 2))
         LIBRARY.put_modes(samples, nodes, matrix, inverse_factorials(), room, found)
         return found.reshape(nodes - 1, self._width, 2)
-
-    def _put_places(self) -> None:
-        """Writes the phases at the start, in turns."""
-        room, torus, turn = room_for(self._genus, self._width), self._torus, 2 * half_turn()
-        halves = double_double_row(x for s, c in torus.halves for x in (c, s))
-        angles = double_double_row(torus.start)
-        room.halves[:], room.totals[: len(angles)] = np.repeat(halves, LANES, 1), np.repeat(angles, LANES, 1)
-        room.angles[:] = angles[:, :1]
-        LIBRARY.add_swings(self._packed, room)
-        starts, totals = in_pairs(halves.reshape(-1, 2, 1, 2)[:, ::-1].reshape(-1, 1, 2)), room.totals[:, ::LANES]
-        for j, total in enumerate(totals.tolist()):
-            place = Column(*total) if j < self._genus else -(Column(*total) + self._of_poles(j, starts))
-            found = place / Column.of(turn)
-            self.sums.places[j] = np.ravel(found.hi)[0], np.ravel(found.lo)[0]
 
     def at(self, times: np.ndarray) -> Any:
         """The values of the function ``read`` (:class:`PhaseTorus`) at N times."""

@@ -325,7 +325,6 @@ LIBRARY = Library(
     {
         "points_at_times": (points_at_times, (SUMS, FLOATS, ROOM, WIDES)),
         "angles_at_phases": (angles_at_phases, (SUMS, FLOATS, ROOM, FLOATS)),
-        "add_swings": (add_swings, (SUMS, ROOM)),
         "put_modes": (put_modes, (WIDES, INT, *(WIDES,) * 4)),
     },
     SPECIAL,

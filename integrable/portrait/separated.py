@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import accumulate, repeat
+from operator import mul
 
 import gmpy2
 import numpy as np
@@ -165,25 +167,23 @@ class SeparatedTorus:
             found.append(np.array([[z.real / (n * count) for z in row] for n, row in shifted], dtype=object))
         return found
 
-    def _sums(self, angles: Sequence[Real]) -> list[Real]:
-        """The sums at angles of the points: 2π times the phases, then the angles about an axis less their parts linear
-        in phases.
+    def sums(self, angles: Sequence[Real], series: Sequence[np.ndarray]) -> list[Real]:
+        """The sums with these ``series``, as in :attr:`waves`, at angles of the points: 2π times the phases, then the
+        angles about an axis less their parts linear in phases.
         """
         genus = len(self.ovals)
         found = np.array([*angles, *[self._field.zero] * (len(self.forms) - genus)], dtype=object)
-        for phi, waves, poles in zip(angles, self.waves, self.poles, strict=True):
-            # Clenshaw's recurrence for a sine series
-            last, now, twice = 0 * found, 0 * found, 2 * gmpy2.cos(phi)
-            for row in waves[::-1]:
-                last, now = now, row + twice * now - last
-            found += gmpy2.sin(phi) * now
+        for phi, waves, poles in zip(angles, series, self.poles, strict=True):
+            powers = accumulate(repeat(gmpy2.mpc(gmpy2.cos(phi), gmpy2.sin(phi)), len(waves)), mul)
+            found += np.array([z.imag for z in powers], dtype=object) @ waves
+            s, c = gmpy2.sin_cos(phi / 2)
             for j in range(genus, len(found)):
-                found[j] += sum(pole.mean * pole.swing(phi) for pole in poles[j])
+                found[j] += sum(pole.mean * pole.swing(s, c, gmpy2.atan2) for pole in poles[j])
         return [*found]
 
     @cached_property
     def _sums_at_start(self) -> list[Real]:
-        return self._sums(self.start)
+        return self.sums(self.start, self.waves)
 
     @property
     def phases(self) -> list[Real]:
@@ -217,13 +217,13 @@ class SeparatedTorus:
         angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float) / (2 * np.pi))[0][0].tolist()]
         # each step of Newton's method doubles the number of correct digits; the start has those of a float
         for _ in range(math.ceil(math.log2(N.bits / FLOAT_BITS)) + 1):
-            gaps = [x - y for x, y in zip(self._sums(angles), rest, strict=False)]
+            gaps = [x - y for x, y in zip(self.sums(angles, self.waves), rest, strict=False)]
             slopes = np.array([*map(self._slopes, self.ovals, angles)], dtype=object) @ self.parts[:genus, :genus]
             steps = pivoted([[*row, gap] for row, gap in zip(slopes.T.tolist(), gaps, strict=True)])
             if steps is None:
                 raise PrecisionLoss("the phases of the motion are not independent")
             angles = [x - y for x, y in zip(angles, steps, strict=True)]
-        grown = [x + y - z for x, y, z in zip(turned, self._sums(angles), start, strict=True)]
+        grown = [x + y - z for x, y, z in zip(turned, self.sums(angles, self.waves), start, strict=True)]
         return [x + y for x, y in zip(angles, whole, strict=True)], grown[genus:]
 
     def at_phases(self, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -233,8 +233,8 @@ class SeparatedTorus:
         angles, swings = self.in_floats.at(phases)
         for j, total in enumerate(swings.T, len(self.ovals)):
             for phi, poles in zip(angles.T, self.poles, strict=True):
-                for pole in poles[j]:
-                    total += float(pole.mean) * pole.swings(phi)
+                for pole in (Pole(*map(float, pole)) for pole in poles[j]):
+                    total += pole.mean * pole.swing(np.sin(phi / 2), np.cos(phi / 2), np.arctan2)
         return angles, swings
 
     @cached_property
