@@ -134,11 +134,9 @@ class SeparatedTorus:
             for rows, places in zip(self.samples, self.poles, strict=True)
         ]
 
-    def phase_of(self, sums: Sequence[Real]) -> list[Real]:
+    def _phase_of(self, sums: Sequence[Real]) -> list[Real]:
         """The phases in turns, one for each oval, from the ``sums`` of the forms over the points."""
-        N, genus = self._field, len(self.ovals)
-        rows = [[2 * self._pi * means[j] for means in self.means] + [N.coerce(sums[j])] for j in range(genus)]
-        found = pivoted(rows)
+        found = pivoted([[2 * self._pi * means[j] for means in self.means] + [x] for j, x in enumerate(sums)])
         if found is None:
             raise PrecisionLoss("the periods of the motion are not independent")
         return found
@@ -150,7 +148,7 @@ class SeparatedTorus:
         """
         N, genus, width = self._field, len(self.ovals), len(self.forms)
         found = np.array([[N.one if i == j else N.zero for j in range(width)] for i in range(width)], dtype=object)
-        found[:genus, :genus] = [[2 * self._pi * x for x in self.phase_of(row)] for row in found[:genus]]
+        found[:genus, :genus] = [[2 * self._pi * x for x in self._phase_of(row[:genus])] for row in found[:genus]]
         found[:genus, genus:] = -found[:genus, :genus] @ np.array(self.means, dtype=object)[:, genus:]
         return found
 
@@ -255,14 +253,14 @@ class SeparatedTorus:
         found = [nu / self.slowness for nu in self.tau_frequencies]
         genus = len(found)
         for j, (_, rate) in enumerate(self.separation.turns, genus):
-            turned = sum((nu * means[j] for nu, means in zip(found[:genus], self.means, strict=True)), self._field.zero)
+            turned = sum((nu * means[j] for nu, means in zip(found, self.means, strict=False)), self._field.zero)
             found.append(rate / (2 * self._pi) + turned)
         return found
 
     @cached_property
     def tau_frequencies(self) -> list[Real]:
         """The frequencies of the points in turns per unit of τ."""
-        return self.phase_of(self.separation.rates)
+        return self._phase_of(self.separation.rates)
 
     @cached_property
     def slowness(self) -> Real:

@@ -78,7 +78,7 @@ def test_states_at_phases_next_to_a_separatrix_are_those_of_the_motion() -> None
     run = flow.at(times)
     with LongField(BITS_OF_TORUS) as N:
         torus = flow._separated(N)
-        states = torus_states(torus, flow._ends(N), flow._reader_in_floats(N, torus), torus.frequencies)
+        states = torus_states(torus, flow._ends(N), flow._reader_on(N, torus), torus.frequencies)
         found = states.read(np.outer(times, np.array(torus.frequencies, dtype=float)))
     assert abs(found["q"] - run.q).max() < 1e-12
     assert abs(found["p"] - run.p).max() < 1e-12
