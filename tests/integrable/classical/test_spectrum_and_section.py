@@ -16,6 +16,7 @@ from integrable.portrait.spectrum import torus_states
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 from tests.integrable.classical.rows import REAL
 
 PENDULUM, TOP = SphericalPendulum(), LagrangeTop(0.7)
@@ -63,6 +64,7 @@ def next_to_a_separatrix(a, q, p):
     return system.flow(system.state(q, p))
 
 
+@pytest.mark.skipif(interpreted(), reason="the grid has more phases than interpreted loops reach in a minute")
 def test_the_lines_add_up_to_the_motion_next_to_a_separatrix() -> None:
     """Newton's method for the angles of the points stalled: PrecisionLoss."""
     flow, times = next_to_a_separatrix((1, 4), (0.1, 0.3), (0.1, 0.2)), np.array([0, -3.7, 25.0, 123.4])
@@ -82,8 +84,9 @@ def test_states_at_phases_next_to_a_separatrix_are_those_of_the_motion() -> None
         found = states.read(np.outer(times, np.array(torus.frequencies, dtype=float)))
     assert abs(found["q"] - run.q).max() < 1e-12
     assert abs(found["p"] - run.p).max() < 1e-12
-    with pytest.raises(PrecisionLoss, match=r"spectrum: a grid of .* is needed"):
-        flow.spectrum()
+    if not interpreted():
+        with pytest.raises(PrecisionLoss, match=r"spectrum: a grid of .* is needed"):
+            flow.spectrum()
 
 
 @pytest.mark.slow
