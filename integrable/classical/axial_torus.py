@@ -89,8 +89,8 @@ class AxialFlow(MumfordFlow):
         m = self.system._axis(N, self._inner(N)).m
         return [e for e, x in zip((N.one, -N.one), m, strict=True) if x == 0]
 
-    def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """Overrides :meth:`MumfordFlow._reader_in_floats`.
+    def _reader_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+        """Overrides :meth:`MumfordFlow._reader_on`, in floats.
 
         The horizontal part of the axis is g = C·e^{iδ}√|z − 1|√|z + 1|, with the angle δ about the vertical. A square
         root that can vanish is replaced by a lift, which changes its sign where it vanishes.
@@ -98,9 +98,9 @@ class AxialFlow(MumfordFlow):
         system, inner, pairs, K = self.system, self._inner(RR), torus.pairs(self._ends(N)), Columns()
         axis, top = system._axis(RR, inner), system._top(RR, inner)
 
-        def horizontal(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Real) -> Arrays:
-            """(z, z', g, g'): the axis' height z, its horizontal part g for C = 1 and δ = ``turned``, and rates."""
-            u, v, lifts = pairs.at(K, [(Column(s), Column(c)) for s, c in halves])
+        def horizontal(s: np.ndarray, c: np.ndarray, wave: np.ndarray) -> Arrays:
+            """(z, z', g, g'): the axis' height z, its horizontal part g for C = 1 and e^{iδ} = ``wave``, and rates."""
+            u, v, lifts = pairs.at(K, [(Column(s), Column(c))])
             z, rate, found = -u[0].hi, v[0].hi, iter(lifts)
             turn = axis.w + 0 * z
             size, slope = 1 + 0 * z, 0 * z
@@ -112,18 +112,17 @@ class AxialFlow(MumfordFlow):
                 else:
                     rise, turn = -side * rate / (2 * root), turn + side * m / (2 * root * root)
                 size, slope = size * root, slope * root + size * rise
-            wave = np.exp(1j * turned)
             return z, rate, wave * size, wave * (slope + 1j * turn * size)
 
-        _, _, g, g_rate = horizontal([(np.array([float(s)]), np.array([float(c)])) for s, c in torus.halves], 0.0)
+        _, _, g, g_rate = horizontal(*np.array([[float(x)] for x in (*torus.halves[0], 1)]))
         own, rates = complex(*axis.g), complex(*axis.g_rate)
         unit = own / g[0] if abs(g[0]) > abs(g_rate[0]) else rates / g_rate[0]
 
-        def read(halves: Sequence[tuple[np.ndarray, np.ndarray]], turned: Sequence[Real]) -> tuple[Arrays, Arrays]:
-            z, rate, g, g_rate = horizontal(halves, turned[0])
-            g, g_rate = unit * g, unit * g_rate
+        def read(points: np.ndarray, times: np.ndarray) -> np.ndarray:
+            s, c, x, y = points[:, :, 0]
+            z, rate, g, g_rate = horizontal(s, c, unit * (x + 1j * y))
             q, p = state_of((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate), top)
-            return q, tuple(x + 0 * z for x in p)
+            return np.stack([*q, *(x + 0 * z for x in p)], axis=1).reshape(-1, 2, 3)
 
         return read
 

@@ -332,7 +332,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
         with LongField(BITS_OF_TORUS) as N:
             torus = self._separated_in_floats(N, "spectrum")
             frequencies = [*map(float, self.portrait.frequencies)]
-            return lines_of(torus_states(torus, self._ends(N), self._reader_in_floats(N, torus), frequencies))
+            return lines_of(torus_states(torus, self._ends(N), self._reader_on(N, torus), frequencies))
 
     def section(self, count: int, oval: int = 0, end: str = "lower") -> Section:
         """The next ``count`` states with a point of the pair at the "lower" or the "upper" end of its oval, in floats.
@@ -389,22 +389,8 @@ class MumfordFlow(StateFlow[Path], Immutable):
         """The branch points at which the state has lifts."""
         return [kind.e for kind in self._place(N).kinds if isinstance(kind, Lift)]
 
-    def _reader_in_floats(self, N: LongField, torus: SeparatedTorus) -> Callable[..., tuple[Arrays, Arrays]]:
-        """The function ``states(halves, turned)`` that returns q and p at many points of the torus, in floats:
-        ``halves`` are (sin ½φ, cos ½φ) of each point, ``turned`` the angles about an axis since the start.
-        """
-        read = self._reader_on(N, torus)
-
-        def states(halves: list[tuple[np.ndarray, np.ndarray]], turned: Arrays) -> tuple[Arrays, Arrays]:
-            rows = [*(x for pair in halves for x in pair), *(x for phi in turned for x in (np.cos(phi), np.sin(phi)))]
-            points = np.stack((np.stack(rows), np.zeros((len(rows), len(rows[0])))), axis=2)
-            q, p = read(points, np.zeros(len(rows[0]))).transpose(1, 2, 0)
-            return [*q], [*p]
-
-        return states
-
     def _reader_on(self, N: LongField, torus: SeparatedTorus) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-        """The function that a :class:`integrable.mumford.phase_torus.PhaseTorus` calls for states, (N, 2, n)."""
+        """The function ``read`` of a :class:`~integrable.mumford.phase_torus.PhaseTorus` for states, (N, 2, n)."""
         from integrable.mumford.phase_torus import in_pairs
         from integrable.portrait.oval_pairs import numbers_of
 

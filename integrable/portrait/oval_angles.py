@@ -1,105 +1,96 @@
-"""The angles of points in their ovals at many given phases, in floats."""
+"""The angles of points in their ovals at many given phases, in floats, by :mod:`integrable.portrait.oval_loops`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 
+from integrable.portrait.oval_loops import LIBRARY, SERIES, PhaseRoom, PhaseSums, angles_at_phases
+from integrable.torus.theta_series import float_circle, inverse_factorials
 from jacobian.errors import PrecisionLoss
-
-# largest numbers of Newton steps and of halvings of a step. After a step below LAST the error is about its square; a
-# difference from the given phases below ROUNDED may be rounding
-MOST_STEPS, MOST_HALVINGS, LAST, ROUNDED = 60, 30, 1e-8, 1e-12
-# number of sines summed in one array operation
-SINES = 1 << 20
+from jacobian.native.code import LANES
+from jacobian.numbers.compiler import interpreted
 
 Array = np.ndarray
 
 
-class OvalAngles(NamedTuple):
-    """The integrals of g differential forms, each a sum over g points at angles φ_i in their ovals.
+class OvalAngles:
+    """The sums of :mod:`integrable.portrait.oval_loops` in floats, as functions of g angles φ.
 
-    The sums are Σ_i(means[i]·φ_i + Σ_n waves[i][n]·sin nφ_i). ``means`` has the shape (g, g), for each oval and form;
-    each of ``waves`` has the shape (n, g).
+    ``series`` are the S_k, of the shapes (n, sums): the coefficients of sin φ_k, sin 2φ_k, … in the g sums that grow by
+    2π with their angles, then in any further sums.
     """
 
-    means: Array
-    waves: tuple[Array, ...]
+    def __init__(self, series: Sequence[Array]) -> None:
+        self._series = series
 
-    def at(self, phases: Array) -> Array:
-        """The angles φ, (N, g), at phases in turns, (N, g): Newton's method, with steps halved while the residual
-        grows.
+    def at(self, phases: Array) -> tuple[Array, Array]:
+        """The angles φ, (N, g), at phases in turns, (N, g), and the series of the further sums there, (N, m)."""
+        genus, (count, width) = len(self._series), (len(phases), self._series[0].shape[1])
+        turns, sums, room = (
+            np.rint(phases),
+            phase_sums([np.stack((row, 0 * row), axis=2) for row in self._series]),
+            room_for(genus, width),
+        )
+        given, found = (phases - turns).T.ravel(), np.empty(width * count)
+        if interpreted():
+            sums, out = PhaseSums._make(row.tolist() for row in sums), found.tolist()
+            converged, found = angles_at_phases(sums, given.tolist(), room, out), np.array(out)
+        else:
+            converged = LIBRARY.angles_at_phases(sums, given, room, found)
+        if not (converged and np.isfinite(found).all()):
+            raise PrecisionLoss("the angles of the points at these phases were not found in floats")
+        rows = found.reshape(width, count).T
+        return rows[:, :genus] + 2 * np.pi * turns, rows[:, genus:]
 
-        The sums map angles to phases one to one, with a derivative that is regular everywhere, so the method converges.
-        """
-        return self._in_parts(self._at, phases)
-
-    def delays(self, phases: Array, oval: int, rates: Array) -> Array:
+    def delays(self, phases: Array, oval: int, frequencies: Array) -> Array:
         """The times, shape (N,), that the motion takes from ``phases`` until the point in one ``oval`` is at the angle
-        φ = 2π·phases[:, oval].
+        φ = 2π·phases[:, oval], a multiple of π.
 
-        ``rates`` are the derivatives of the class's g sums by time. Combinations of the sums that are constant in time
-        determine the angles of the other points; a sum that grows then gives the time.
+        Combinations of the sums that are constant in time determine the angles of the other points. The sum of this
+        oval then gives the time.
         """
-        grows, others = int(np.argmax(np.abs(rates))), [k for k in range(len(self.means)) if k != oval]
-
-        def still(sums: Array) -> Array:
-            return np.delete(sums - sums[:, [grows]] * (rates / rates[grows]), grows, axis=1)
-
-        rest = OvalAngles(still(self.means[others]), tuple(still(self.waves[k]) for k in others))
-
-        def late(phases: Array) -> Array:
-            angles = np.insert(rest._at(phases[:, others]), oval, 2 * np.pi * phases[:, oval], axis=1)
-            return (self.sums(angles)[0] - 2 * np.pi * phases @ self.means)[:, grows] / rates[grows]
-
-        return self._in_parts(late, phases)
-
-    def _in_parts(self, function: Callable[[Array], Array], phases: Array) -> Array:
-        size = max(1, SINES // max(1, *map(len, self.waves)))
-        return np.concatenate([function(phases[begin : begin + size]) for begin in range(0, len(phases), size)])
-
-    def _at(self, phases: Array) -> Array:
-        angles, left = 2 * np.pi * phases, np.arange(len(phases))
-        gaps, slopes = self._gaps(angles, phases)
-        for _ in range(MOST_STEPS):
-            wanted = gaps[left] @ (2 * np.pi * self.means)
-            steps = np.linalg.solve(slopes[left], wanted[:, :, None])[:, :, 0]
-            angles[left] -= steps
-            far = np.abs(steps).max(axis=1, initial=0) >= LAST
-            left, steps = left[far], steps[far]
-            if not len(left):
-                return angles
-            size, worse = np.maximum(np.abs(gaps[left]).max(axis=1), ROUNDED), np.arange(len(left))
-            for _ in range(MOST_HALVINGS):
-                rows = left[worse]
-                gaps[rows], slopes[rows] = self._gaps(angles[rows], phases[rows])
-                worse = worse[np.abs(gaps[rows]).max(axis=1) > size[worse]]
-                if not len(worse):
-                    break
-                steps[worse] /= 2
-                angles[left[worse]] += steps[worse]
-        raise PrecisionLoss("the angles of the points at these phases were not found in floats")
-
-    def _gaps(self, angles: Array, phases: Array) -> tuple[Array, Array]:
-        sums, slopes = self.sums(angles)
-        return self.phases_of(sums) - phases, slopes
-
-    def phases_of(self, sums: Array) -> Array:
-        """The phases in turns, (N, g), from the sums, (N, g)."""
-        return np.linalg.solve(2 * np.pi * self.means.T, sums.T).T
+        others = [k for k in range(len(self._series)) if k != oval]
+        if not others:
+            return np.zeros(len(phases))
+        share = frequencies[others] / frequencies[oval]
+        rest = [np.hstack((row[:, others] - row[:, [oval]] * share, row[:, [oval]])) for row in self._series]
+        late: Array = OvalAngles([rest[k] for k in others]).at(phases[:, others])[1][:, 0]
+        return late / (2 * np.pi * frequencies[oval])
 
     def phases_at(self, angles: Array) -> Array:
         """The phases in turns, (N, g), at angles φ, (N, g)."""
-        return self._in_parts(lambda x: self.phases_of(self.sums(x)[0]), angles)
+        total = angles.copy()
+        for phi, series in zip(angles.T[:, :, None], self._series, strict=True):
+            # Clenshaw's recurrence for a sine series
+            last, now = 0.0 * total, 0.0 * total
+            for row in series[::-1]:
+                last, now = now, row + 2 * np.cos(phi) * now - last
+            total += np.sin(phi) * now
+        return total / (2 * np.pi)
 
-    def sums(self, angles: Array) -> tuple[Array, Array]:
-        """The sums, (N, forms), and their derivatives with respect to the angles, (N, forms, ovals)."""
-        sums, slopes = angles @ self.means, np.repeat(self.means.T[None], len(angles), axis=0)
-        for k, waves in enumerate(self.waves):
-            count = len(waves)
-            modes = np.cumprod(np.repeat(np.exp(1j * angles[:, k : k + 1]), count, axis=1), axis=1)
-            sums += modes.imag @ waves
-            slopes[:, :, k] += modes.real @ (np.arange(1, count + 1)[:, None] * waves)
-        return sums, slopes
+
+def phase_sums(series: Sequence[Array]) -> PhaseSums:
+    """The PhaseSums with these series of double-doubles, of the shapes (n, sums, 2). Places and frequencies are 0."""
+    kept, bounds, begin = list[Array](), list[int](), 0
+    for rows in series:
+        sizes = np.abs(rows[:, :, 0]).max(axis=1, initial=0)
+        ends = [int(np.flatnonzero(sizes > least).max(initial=-1)) + 1 for least in SERIES]
+        bounds += [begin, *(begin + end for end in ends)]
+        kept.append(rows[: ends[-1]])
+        begin = bounds[-1]
+    waves, n = np.concatenate(kept), np.concatenate([np.arange(1, len(rows) + 1) for rows in kept])
+    rough = np.stack((waves[:, :, 0], waves[:, :, 0] * n[:, None]), axis=2).ravel()
+    places = np.zeros((waves.shape[1], 2))
+    circles = inverse_factorials(), float_circle()
+    return PhaseSums(waves.reshape(-1, 2), rough, np.array(bounds), places, places.copy(), *circles)
+
+
+def room_for(genus: int, width: int) -> PhaseRoom:
+    """The memory for eight times, or for one float if loops are interpreted."""
+    wide, floats = (width, 2 * genus, width), (width, genus, width, genus * width, genus, genus * genus, genus)
+    if interpreted():
+        return PhaseRoom._make([0.0] * n for n in (*wide, *floats, 1))
+    rows = [*(np.zeros((n, 2 * LANES)) for n in wide), *(np.zeros((n, LANES)) for n in floats)]
+    return PhaseRoom._make([*rows, np.zeros(LANES)])

@@ -87,10 +87,7 @@ def points_at_times(sums: PhaseSums, times: Row, room: PhaseRoom, out: Row) -> b
             for j in range(len(sums.places)):
                 rest, whole = whole_turns(sums.places[j] + sums.frequencies[j] * times[i] + 0.5)
                 room.rests[j], room.signs[j] = rest - 0.5, 1.0 - 2.0 * (whole % 2)
-        for k in range(genus):
-            room.angles[k] = sums.circle[0] * float(room.rests[k])
-        find_angles(sums, room, 1, NEAR)
-        converged = find_angles(sums, room, 3, LAST) and converged
+        converged = found_angles(sums, room) and converged
         put_corrected(sums, room)
         converged = greatest(room.lengths) <= CORRECTED and converged
         for i in abreast(begin, end):
@@ -100,6 +97,42 @@ def points_at_times(sums: PhaseSums, times: Row, room: PhaseRoom, out: Row) -> b
                 out[count * (genus + j) + i] = room.totals[j]
         begin = end
     return converged
+
+
+def angles_at_phases(sums: PhaseSums, phases: Row, room: PhaseRoom, out: Row) -> bool:
+    """Writes the angle φ of each point to a row of ``out``, then the series of each further sum, all in floats.
+    ``phases`` has a row for each oval, of numbers from −½ to ½. Returns whether Newton's method has converged.
+    """
+    lanes, genus, converged = len(room.lengths), len(sums.bounds) // 5, True
+    count, begin = len(phases) // genus, 0
+    while begin < count:
+        end = min(begin + lanes, count)
+        for i in abreast(begin, end):
+            for k in range(genus):
+                room.rests[k] = phases[count * k + i]
+        converged = found_angles(sums, room) and converged
+        # the series at angles that one more step improves
+        put_gaps(sums, room, 3)
+        eliminate(room.slopes, genus)
+        substitute(room.slopes, room.gaps, genus)
+        for i in abreast(begin, end):
+            for k in range(genus):
+                out[count * k + i] = room.angles[k] - room.gaps[k]
+            for j in range(genus, len(sums.places)):
+                series = room.gaps[j]
+                for k in range(genus):
+                    series -= room.slopes[genus * j + k] * room.gaps[k]
+                out[count * j + i] = series
+        begin = end
+    return converged
+
+
+def found_angles(sums: PhaseSums, room: PhaseRoom) -> bool:
+    """Finds the ``angles`` in floats from the ``rests``. Returns whether Newton's method has converged."""
+    for k in range(len(sums.bounds) // 5):
+        room.angles[k] = sums.circle[0] * float(room.rests[k])
+    find_angles(sums, room, 1, NEAR)
+    return find_angles(sums, room, 3, LAST)
 
 
 def find_angles(sums: PhaseSums, room: PhaseRoom, series: int, last: float) -> bool:
@@ -291,7 +324,7 @@ LIBRARY = Library(
     "phases",
     {
         "points_at_times": (points_at_times, (SUMS, FLOATS, ROOM, WIDES)),
-        "add_swings": (add_swings, (SUMS, ROOM)),
+        "angles_at_phases": (angles_at_phases, (SUMS, FLOATS, ROOM, FLOATS)),
         "put_modes": (put_modes, (WIDES, INT, *(WIDES,) * 4)),
     },
     SPECIAL,

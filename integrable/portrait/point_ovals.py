@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
-import numpy as np
-
 from jacobian import poly
 from jacobian.element import FormulaField, Real
 from jacobian.errors import NotRepresentable
@@ -109,18 +107,10 @@ class Pole(NamedTuple):
     mean: Real
     ratio: Real
 
-    def swing(self, phi: Real) -> Real:
-        """The continuous branch of 2·atan(ratio·tan ½φ) − φ."""
-        import gmpy2
-
-        sine, cosine = gmpy2.sin_cos(phi / 2)
+    def swing(self, sine: Any, cosine: Any, atan2: Any) -> Any:
+        """The continuous branch of 2·atan(ratio·tan ½φ) − φ, from sin ½φ and cos ½φ, long numbers or arrays."""
         # twice the angle from the vector (cos ½φ, sin ½φ) to (cos ½φ, ratio·sin ½φ)
-        return 2 * gmpy2.atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
-
-    def swings(self, phi: np.ndarray) -> np.ndarray:
-        """The values of :meth:`swing` at an array of floats φ."""
-        ratio, sine, cosine = float(self.ratio), np.sin(phi / 2), np.cos(phi / 2)
-        return 2 * np.arctan2((ratio - 1) * sine * cosine, cosine * cosine + ratio * sine * sine)
+        return 2 * atan2((self.ratio - 1) * sine * cosine, cosine * cosine + self.ratio * sine * sine)
 
 
 def real_and_complex(N: LongField, a: poly.Poly, known: Sequence[Real] = ()) -> Roots:

@@ -112,19 +112,18 @@ def turned(
     oval: int,
     end: float,
     motion: tuple[Sequence[Real], Sequence[Real]],
-    forms: tuple[OvalAngles, np.ndarray] | None = None,
+    sums: OvalAngles | None = None,
 ) -> tuple[list[Real], np.ndarray, np.ndarray]:
     """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0 or
     ½), the phases (N, g − 1) of the other points there, and their change per crossing.
 
-    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``forms``
-    are the sums of forms that determine the angles φ of the points, and their derivatives by time; None if φ/2π is the
-    phase of its oval.
+    ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``sums``
+    determine the angles φ of the points; None if φ/2π is the phase of its oval.
     """
     count = whole(count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS)
     nu, place = motion
     start = np.array([place], dtype=float)
-    around = (forms[0].at(start) / (2 * math.pi) if forms else start)[0, oval] - end
+    around = (sums.at(start)[0] / (2 * math.pi) if sums else start)[0, oval] - end
     ahead = nu[oval] > 0
     first = math.floor(around + ON) + 1 if ahead else math.ceil(around - ON) - 1
     turns = [first + n if ahead else first - n for n in range(count)]
@@ -132,7 +131,7 @@ def turned(
     fractions = [[x - math.floor(x) for x in (p + f * t for p, f in zip(place, nu, strict=True))] for t in begin]
     phases = np.array(fractions, dtype=float)
     phases[:, oval] = end
-    late = forms[0].delays(phases, oval, forms[1]).tolist() if forms else [0] * count
+    late = sums.delays(phases, oval, np.array(nu, dtype=float)).tolist() if sums else [0] * count
     others = [k for k in range(len(nu)) if k != oval]
     rotation = np.array([float(nu[k] / nu[oval]) * (1 if ahead else -1) for k in others])
     return [t + x for t, x in zip(begin, late, strict=True)], phases[:, others], rotation
@@ -151,8 +150,7 @@ def crossings(torus: SeparatedTorus, count: int, oval: int, end: str) -> tuple[n
     oval, half = end_of_oval(oval, end, len(torus.ovals))
     if not torus.moves(torus.ovals[oval]):
         raise NotRepresentable(f"section: the point in oval {written(oval)} of this motion rests, and passes no end")
-    motion, rates = (torus.tau_frequencies, torus.phases), np.array(torus.separation.rates, dtype=float)
-    tau, theta, rotation = turned(count, oval, half, motion, (torus.in_floats, rates))
+    tau, theta, rotation = turned(count, oval, half, (torus.tau_frequencies, torus.phases), torus.in_floats)
     times = np.array([torus.slowness * t for t in tau], dtype=float)
     if torus.clock:
         times += torus.clock.at(*(np.array([t * nu % 1 for t in tau], dtype=float) for nu in torus.tau_frequencies))
@@ -168,8 +166,11 @@ def body_section(flow: Any, count: int, axis: str) -> BodySection:
     portrait, K = flow.portrait, flow.system.field
     if not 0 < float(portrait.level.momentum) < math.inf:
         raise NotRepresentable(f"section: |M| = {written(portrait.level.momentum)} is beyond the range of floats")
-    motion, sums = (portrait.wide_tau_frequencies, portrait.wide_angles("section")), sums_over_ovals(portrait.level)
-    tau, theta, rotation = turned(count, oval, 0.0, motion, (sums, np.array([1.0, 0.0])))
+    motion, (sums, _) = (
+        (portrait.wide_tau_frequencies, portrait.wide_angles("section")),
+        sums_over_ovals(portrait.level),
+    )
+    tau, theta, rotation = turned(count, oval, 0.0, motion, sums)
     axes = portrait.level.axes[::-1] if oval else portrait.level.axes
     run = _refined(flow, rounded(K, tau), axes[0])
     return BodySection(run, theta[:, 0], float(rotation[0]), axes)
@@ -196,15 +197,15 @@ def _refined(flow: Any, tau: np.ndarray, axis: int) -> Any:
     return flow.at_tau(tau)
 
 
-def sums_over_ovals(level: Level) -> OvalAngles:
-    """∫dx/y and ∫x dx/y of both points in floats, as functions of angles φ that are 0 at the outer ends: x moves from
-    an outer end e to an inner end e' as e + (e' − e)sin²½φ.
+def sums_over_ovals(level: Level) -> tuple[OvalAngles, np.ndarray]:
+    """The angles φ of both points at their phases in floats, and the frequencies in turns per unit of τ. The angles are
+    0 at the outer ends: x moves from an outer end e to an inner end e' as e + (e' − e)sin²½φ.
     """
     a, b, c, e = map(float, level.ends)
     rows = [_modes(level, *oval) for oval in ((a, b, c, e), (e, c, a, b))]
-    return OvalAngles(
-        np.array([row[0] / 2 for row in rows]), tuple(row[1:] / np.arange(1, len(row))[:, None] for row in rows)
-    )
+    # the combinations of ∫dx/y, which is τ, and ∫x dx/y, which is constant, that grow by 2π with one of the angles
+    parts = np.linalg.inv([row[0] / 2 for row in rows])
+    return OvalAngles([row[1:] @ parts / np.arange(1, len(row))[:, None] for row in rows]), parts[0] / (2 * np.pi)
 
 
 def _modes(level: Level, outer: float, inner: float, *others: float) -> np.ndarray:

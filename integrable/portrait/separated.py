@@ -11,6 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import accumulate, repeat
+from operator import mul
 
 import gmpy2
 import numpy as np
@@ -29,21 +31,18 @@ from integrable.portrait.point_ovals import (
     real_and_complex,
 )
 from integrable.torus.clock import resolved
-from integrable.torus.series import TorusSeries, long_spectrum, needed_sizes, spectrum
+from integrable.torus.series import TorusSeries, circle_of, fourier, needed_sizes, spectrum
 from jacobian import MP, poly
 from jacobian.element import Real
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
-from jacobian.numbers.long_reals import BareReals
 
 # largest number of nodes of an oval, a power of 2; where more are needed, branch points nearly meet
 MOST_NODES = 1 << 13
 # dt/dτ is sampled on FIRST_GRID, then on finer grids of up to MOST_SAMPLES points, until modes that are not sampled are
 # below NOISE times the mean, the size of rounding errors
 FIRST_GRID, MOST_SAMPLES, NOISE = (32, 32), 1 << 18, 1e-15
-# waves of :class:`OvalAngles` below this fraction of the mean of their form and oval are not needed in floats
-NEGLIGIBLE = 1e-18
 # number of correct bits after Newton's method in floats
 FLOAT_BITS = 40
 # an oval has SPARE_NODES extra nodes, and π has DIGITS_BEYOND extra digits; a point rests in an oval whose radius is at
@@ -135,48 +134,59 @@ class SeparatedTorus:
             for rows, places in zip(self.samples, self.poles, strict=True)
         ]
 
-    def phase_of(self, sums: Sequence[Real]) -> list[Real]:
+    def _phase_of(self, sums: Sequence[Real]) -> list[Real]:
         """The phases in turns, one for each oval, from the ``sums`` of the forms over the points."""
-        N, genus = self._field, len(self.ovals)
-        rows = [[2 * self._pi * means[j] for means in self.means] + [N.coerce(sums[j])] for j in range(genus)]
-        found = pivoted(rows)
+        found = pivoted([[2 * self._pi * means[j] for means in self.means] + [x] for j, x in enumerate(sums)])
         if found is None:
             raise PrecisionLoss("the periods of the motion are not independent")
         return found
 
     @cached_property
-    def waves(self) -> list[list[list[Real]]]:
-        """For each oval and form c(φ)dφ: the numbers 2w_n/n, n = 1, 2, …, with the Fourier modes w_n of c."""
-        N = self._field
-
-        def of_row(row: list[Real]) -> list[Real]:
-            # the nodes are shifted by half a step, which ``turns`` takes into account
-            samples = np.array([*row, *reversed(row)], dtype=object)[:, None]
-            modes = long_spectrum(samples, BareReals(N.bits))[1 : len(row), 0]
-            turns = [gmpy2.sin_cos(self._pi * n / (2 * len(row))) for n in range(1, len(row))]
-            return [
-                2 * (c * z.real + s * z.imag) / n for n, (z, (s, c)) in enumerate(zip(modes, turns, strict=True), 1)
-            ]
-
-        return [[*map(of_row, self._sampled(oval, self.forms, modes=True))] for oval in self.ovals]
-
-    def _sums(self, angles: Sequence[Real]) -> list[Real]:
-        """For each form, the sum over the points of its integral from the lower end to the angle of the point."""
-        found = [self._field.zero] * len(self.means[0])
-        for phi, means, waves, poles in zip(angles, self.means, self.waves, self.poles, strict=True):
-            sine, twice = gmpy2.sin(phi), 2 * gmpy2.cos(phi)
-            for j, (mean, row) in enumerate(zip(means, waves, strict=True)):
-                # Clenshaw's recurrence for a sine series
-                last, now = self._field.zero, self._field.zero
-                for c in reversed(row):
-                    last, now = now, c + twice * now - last
-                found[j] += mean * phi + sine * now + sum(pole.mean * pole.swing(phi) for pole in poles[j])
+    def parts(self) -> np.ndarray:
+        """For each form its parts in the sums of :class:`integrable.portrait.oval_loops.PhaseSums`: the sum that grows
+        by 2π with the angle of an oval, for each oval, then the angles about an axis less their parts linear in phases.
+        """
+        N, genus, width = self._field, len(self.ovals), len(self.forms)
+        found = np.array([[N.one if i == j else N.zero for j in range(width)] for i in range(width)], dtype=object)
+        found[:genus, :genus] = [[2 * self._pi * x for x in self._phase_of(row[:genus])] for row in found[:genus]]
+        found[:genus, genus:] = -found[:genus, :genus] @ np.array(self.means, dtype=object)[:, genus:]
         return found
 
     @cached_property
+    def waves(self) -> list[np.ndarray]:
+        """For each oval the sine series of all sums, with all digits."""
+        found = []
+        for oval in self.ovals:
+            samples = np.array(self._sampled(oval, self.forms, modes=True), dtype=object).T @ self.parts
+            count, circle = len(samples), circle_of(4 * len(samples))
+            modes = fourier(np.concatenate((samples, samples[::-1])), circle)
+            # the nodes are shifted by half a step
+            shifted = enumerate((circle[1:count, None] * modes[1:count]).tolist(), 1)
+            found.append(np.array([[z.real / (n * count) for z in row] for n, row in shifted], dtype=object))
+        return found
+
+    def sums(self, angles: Sequence[Real], series: Sequence[np.ndarray]) -> list[Real]:
+        """The sums with these ``series``, as in :attr:`waves`, at angles of the points: 2π times the phases, then the
+        angles about an axis less their parts linear in phases.
+        """
+        genus = len(self.ovals)
+        found = np.array([*angles, *[self._field.zero] * (len(self.forms) - genus)], dtype=object)
+        for phi, waves, poles in zip(angles, series, self.poles, strict=True):
+            powers = accumulate(repeat(gmpy2.mpc(gmpy2.cos(phi), gmpy2.sin(phi)), len(waves)), mul)
+            found += np.array([z.imag for z in powers], dtype=object) @ waves
+            s, c = gmpy2.sin_cos(phi / 2)
+            for j in range(genus, len(found)):
+                found[j] += sum(pole.mean * pole.swing(s, c, gmpy2.atan2) for pole in poles[j])
+        return [*found]
+
+    @cached_property
+    def _sums_at_start(self) -> list[Real]:
+        return self.sums(self.start, self.waves)
+
+    @property
     def phases(self) -> list[Real]:
         """The phases of the start, in turns: one for each oval, 0 at its lower end."""
-        return self.phase_of(self._sums(self.start))
+        return [x / (2 * self._pi) for x in self._sums_at_start[: len(self.ovals)]]
 
     def pairs(self, ends: Sequence[Real]) -> OvalPairs:
         """The function from points in their ovals to pairs with lifts at the branch points ``ends``."""
@@ -198,61 +208,37 @@ class SeparatedTorus:
     def angles_at(self, time: Real) -> tuple[list[Real], list[Real]]:
         """(angles φ of all points, growth of each angle about an axis) after a time from the start."""
         N, genus = self._field, len(self.ovals)
-        whole, rest = [], []
-        for place, nu in zip(self.phases, self.frequencies, strict=False):
-            turned = place + nu * time
-            whole.append(N.nearest(turned))
-            rest.append(turned - whole[-1])
-        angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float))[0].tolist()]
+        turned, start = [2 * self._pi * nu * time for nu in self.frequencies], self._sums_at_start
+        places = [x + y for x, y in zip(start[:genus], turned, strict=False)]
+        whole = [2 * self._pi * N.nearest(x / (2 * self._pi)) for x in places]
+        rest = [x - y for x, y in zip(places, whole, strict=True)]
+        angles = [N.coerce(x) for x in self.in_floats.at(np.array([rest], dtype=float) / (2 * np.pi))[0][0].tolist()]
         # each step of Newton's method doubles the number of correct digits; the start has those of a float
         for _ in range(math.ceil(math.log2(N.bits / FLOAT_BITS)) + 1):
-            gaps = [x - y for x, y in zip(self.phase_of(self._sums(angles)), rest, strict=True)]
-            wanted = [
-                2 * self._pi * sum(g * means[j] for g, means in zip(gaps, self.means, strict=True))
-                for j in range(genus)
-            ]
-            slopes = [self._slopes(oval, phi) for oval, phi in zip(self.ovals, angles, strict=True)]
-            steps = pivoted([[row[j] for row in slopes] + [wanted[j]] for j in range(genus)])
+            gaps = [x - y for x, y in zip(self.sums(angles, self.waves), rest, strict=False)]
+            slopes = np.array([*map(self._slopes, self.ovals, angles)], dtype=object) @ self.parts[:genus, :genus]
+            steps = pivoted([[*row, gap] for row, gap in zip(slopes.T.tolist(), gaps, strict=True)])
             if steps is None:
                 raise PrecisionLoss("the phases of the motion are not independent")
             angles = [x - y for x, y in zip(angles, steps, strict=True)]
-        full = [x + 2 * self._pi * n for x, n in zip(angles, whole, strict=True)]
-        grown = [x - y for x, y in zip(self._sums(full)[genus:], self._sums(self.start)[genus:], strict=True)]
-        turned = [x + rate * time for x, (_, rate) in zip(grown, self.separation.turns, strict=True)]
-        return full, turned
+        grown = [x + y - z for x, y, z in zip(turned, self.sums(angles, self.waves), start, strict=True)]
+        return [x + y for x, y in zip(angles, whole, strict=True)], grown[genus:]
 
-    def swings(self, angles: np.ndarray, phases: np.ndarray) -> np.ndarray:
-        """Angles about an axis, (N, m), less their parts linear in ``phases``; ``angles`` are in the ovals, (N, g)."""
-        genus, found = len(self.ovals), []
-        for j in range(genus, len(self.forms)):
-            total = np.zeros(len(angles))
-            for k, (phi, turns) in enumerate(zip(angles.T, phases.T, strict=True)):
-                waves = np.array([float(x) for x in self.waves[k][j]])
-                total += float(self.means[k][j]) * (phi - 2 * np.pi * turns)
-                total += np.sin(np.outer(phi, np.arange(1, len(waves) + 1))) @ waves
-                for pole in self.poles[k][j]:
-                    total += float(pole.mean) * pole.swings(phi)
-            found.append(total)
-        return np.array(found).reshape(len(found), len(angles)).T
-
-    @property
-    def swings_at_start(self) -> list[Real]:
-        """The angles about an axis at the start, minus their parts linear in the phases."""
-        sums, genus = self._sums(self.start), len(self.ovals)
-        return [
-            sums[j] - 2 * self._pi * sum(means[j] * x for means, x in zip(self.means, self.phases, strict=True))
-            for j in range(genus, len(sums))
-        ]
+    def at_phases(self, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """In floats: the angles φ in the ovals, (N, g), at phases in turns, (N, g), and the angles about an axis, (N,
+        m), less their parts linear in phases.
+        """
+        angles, swings = self.in_floats.at(phases)
+        for j, total in enumerate(swings.T, len(self.ovals)):
+            for phi, poles in zip(angles.T, self.poles, strict=True):
+                for pole in (Pole(*map(float, pole)) for pole in poles[j]):
+                    total += pole.mean * pole.swing(np.sin(phi / 2), np.cos(phi / 2), np.arctan2)
+        return angles, swings
 
     @cached_property
     def in_floats(self) -> OvalAngles:
-        """The integrals of the g forms, summed over the points, as functions of the angles in floats."""
-        genus = len(self.ovals)
-        means = np.array([[float(x) for x in row[:genus]] for row in self.means])
-        waves = [np.array([[float(x) for x in row] for row in rows[:genus]]).T for rows in self.waves]
-        kept = [np.abs(w) > NEGLIGIBLE * np.abs(m) for w, m in zip(waves, means, strict=True)]
-        sizes = [int(np.flatnonzero(k.any(axis=1)).max(initial=0)) + 1 for k in kept]
-        return OvalAngles(means, tuple(w[:n] for w, n in zip(waves, sizes, strict=True)))
+        """The same sums in floats."""
+        return OvalAngles([waves.astype(float) for waves in self.waves])
 
     def _slopes(self, oval: PointOval, phi: Real) -> list[Real]:
         """The coefficients of dφ of the g forms at an angle."""
@@ -267,14 +253,14 @@ class SeparatedTorus:
         found = [nu / self.slowness for nu in self.tau_frequencies]
         genus = len(found)
         for j, (_, rate) in enumerate(self.separation.turns, genus):
-            turned = sum((nu * means[j] for nu, means in zip(found[:genus], self.means, strict=True)), self._field.zero)
+            turned = sum((nu * means[j] for nu, means in zip(found, self.means, strict=False)), self._field.zero)
             found.append(rate / (2 * self._pi) + turned)
         return found
 
     @cached_property
     def tau_frequencies(self) -> list[Real]:
         """The frequencies of the points in turns per unit of τ."""
-        return self.phase_of(self.separation.rates)
+        return self._phase_of(self.separation.rates)
 
     @cached_property
     def slowness(self) -> Real:
@@ -310,7 +296,8 @@ class SeparatedTorus:
         """dt/dτ in floats at phases (N, 2) in turns from the start."""
         end, factor = self.separation.slow or (self._field.one, self._field.one)
         found = np.full(len(turns), float(factor))
-        for oval, phi in zip(self.ovals, self.in_floats.at(turns + np.array(self.phases, dtype=float)).T, strict=True):
+        angles, _ = self.in_floats.at(turns + np.array(self.phases, dtype=float))
+        for oval, phi in zip(self.ovals, angles.T, strict=True):
             # differences from the nearer end of the oval lose no digits
             gap, share = end - oval.middle, np.sin(phi / 2) if end < oval.middle else np.cos(phi / 2)
             found /= np.sqrt(float(abs(gap) - oval.radius) + 2 * float(oval.radius) * share**2)

@@ -40,9 +40,6 @@ PASSES, SOLVED = 60, 1e-13
 # number of samples of a turn about an axis: a state has only the harmonics 0 and ±1 of this turn
 ROUND = 4
 
-Coordinates = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
-"""q and p by their components, each an array."""
-
 
 class Sampled(NamedTuple):
     """Quantities on a torus whose phases are linear in t.
@@ -208,28 +205,33 @@ class OwnTime(NamedTuple):
 
 
 def torus_states(
-    torus: SeparatedTorus, ends: Sequence[Real], read: Callable[..., Coordinates], frequencies: Sequence[Real]
+    torus: SeparatedTorus,
+    ends: Sequence[Real],
+    read: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    frequencies: Sequence[Real],
 ) -> Sampled:
     """q and p at phases that are linear in t.
 
-    ``ends`` are the branch points e whose signed √|U(e)| the state depends on. ``read(halves, turned)`` returns q and
-    p, from (sin ½φ, cos ½φ) of each point and the angles about the axis since the start, all arrays. ``frequencies``
-    are the portrait's.
+    ``ends`` are the branch points e whose signed √|U(e)| the state depends on. ``read`` is as in
+    :class:`integrable.mumford.phase_torus.PhaseTorus`. ``frequencies`` are the portrait's.
     """
     genus, further = len(torus.ovals), len(frequencies) - len(torus.ovals)
     places = {torus.place_of(e) for e in ends}
     doubled = [2 if {o.place, o.place + 1} & places else 1 for o in torus.ovals]
     # the portrait may count turns in the direction opposite to that of the torus
     senses = [-1.0 if own * f < 0 else 1.0 for own, f in zip(torus.frequencies, frequencies, strict=True)]
-    start, swings_at_start = (np.array(x, dtype=float) for x in (torus.phases, torus.swings_at_start))
+    start = np.array(torus.phases, dtype=float)
+    _, swings_at_start = torus.at_phases(start[None])
     series, rates = torus.clock, np.array(torus.tau_frequencies, dtype=float)
     clock = series and OwnTime(lambda phases: series.swings_and_rates(*phases.T), rates, float(torus.slowness))
 
     def values(turns: np.ndarray) -> dict[str, np.ndarray]:
         phases = start + (clock.phases(turns) if clock else turns[:, :genus])
-        angles = torus.in_floats.at(phases)
-        turned = 2 * np.pi * turns[:, genus:] + torus.swings(angles, phases) - swings_at_start
-        q, p = read([(np.sin(phi / 2), np.cos(phi / 2)) for phi in angles.T], list(turned.T))
-        return {"q": np.stack(q, axis=-1), "p": np.stack(p, axis=-1)}
+        angles, swings = torus.at_phases(phases)
+        turned = 2 * np.pi * turns[:, genus:] + swings - swings_at_start
+        rows = [f(x) for x in angles.T / 2 for f in (np.sin, np.cos)]
+        rows += [f(x) for x in turned.T for f in (np.cos, np.sin)]
+        states = read(np.stack((rows, np.zeros_like(rows)), axis=2), np.zeros(len(turns)))
+        return {"q": states[:, 0], "p": states[:, 1]}
 
     return Sampled(values, (*doubled, *(1,) * further), np.diag(senses), frequencies, (ROUND,) * further)

@@ -53,7 +53,7 @@ def ovals(system: Any, states: list[State]) -> Ovals:
     if high - low < SHORT * high or min(np.diff(ends)) < SHORT * (high - low):
         raise NotRepresentable("the ovals of this motion's curve have shrunk or met: it has no torus of two angles")
     u, y = _points(body, states, ends)
-    sums = sums_over_ovals(level)
+    sums, rates = sums_over_ovals(level)
     # each row is for both ovals: x = middle − half·cos φ, y = half·√q·sin φ with φ = 0 at the outer end
     outer, inner = ends[[0, 3]], ends[[1, 2]]
     middle, half = (outer + inner) / 2, (inner - outer) / 2
@@ -69,8 +69,7 @@ def ovals(system: Any, states: list[State]) -> Ovals:
     turn = np.linspace(0, 2 * np.pi, OUTLINE + 1)[:, None]
     x = middle - half * np.cos(turn)
     first, second = zip(x.T, (height(x) * np.sin(turn)).T, strict=True)
-    # Σ∫dx/y is τ, and Σ∫x dx/y is constant
-    return Ovals(u, y, angles, sums.phases_of(np.array([[1.0, 0.0]]))[0], (first, second))
+    return Ovals(u, y, angles, rates, (first, second))
 
 
 def _points(body: Any, states: list[State], ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -5,13 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kuzmin_kutuzov import KuzminKutuzov
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.veselova import Veselova
+from integrable.mumford.motion import BITS_OF_TORUS
+from integrable.portrait.spectrum import torus_states
 from jacobian import MP, RR
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 from tests.integrable.classical.rows import REAL
 
 PENDULUM, TOP = SphericalPendulum(), LagrangeTop(0.7)
@@ -52,6 +57,36 @@ def test_the_lines_add_up_to_the_motion(name, n) -> None:
         assert abs((waves @ lines).real - wanted).max() < 1e-12 * (1 + abs(wanted).max())
     assert np.allclose(found.frequencies, found.modes @ flow.portrait.frequencies / 2, rtol=0, atol=1e-13)
     assert found.quantities == ("q", "p")
+
+
+def next_to_a_separatrix(a, q, p):
+    system = Garnier(a)
+    return system.flow(system.state(q, p))
+
+
+@pytest.mark.skipif(interpreted(), reason="the grid has more phases than interpreted loops reach in a minute")
+def test_the_lines_add_up_to_the_motion_next_to_a_separatrix() -> None:
+    """Newton's method for the angles of the points stalled: PrecisionLoss."""
+    flow, times = next_to_a_separatrix((1, 4), (0.1, 0.3), (0.1, 0.2)), np.array([0, -3.7, 25.0, 123.4])
+    found, run = flow.spectrum(), flow.at(times)
+    waves = np.exp(2j * np.pi * times[:, None] * found.frequencies)
+    assert abs((waves @ found.q).real - run.q).max() < 1e-12
+    assert abs((waves @ found.p).real - run.p).max() < 1e-12
+
+
+def test_states_at_phases_next_to_a_separatrix_are_those_of_the_motion() -> None:
+    """Newton's method for the angles of the points stalled; the lines need a finer grid than a spectrum takes."""
+    flow, times = next_to_a_separatrix((1, 2, 4), (0.1, 0.2, 0.3), (0.1, 0.0, 0.2)), np.linspace(-40, 60, 201)
+    run = flow.at(times)
+    with LongField(BITS_OF_TORUS) as N:
+        torus = flow._separated(N)
+        states = torus_states(torus, flow._ends(N), flow._reader_on(N, torus), torus.frequencies)
+        found = states.read(np.outer(times, np.array(torus.frequencies, dtype=float)))
+    assert abs(found["q"] - run.q).max() < 1e-12
+    assert abs(found["p"] - run.p).max() < 1e-12
+    if not interpreted():
+        with pytest.raises(PrecisionLoss, match=r"spectrum: a grid of .* is needed"):
+            flow.spectrum()
 
 
 @pytest.mark.slow

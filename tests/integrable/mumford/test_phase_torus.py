@@ -18,6 +18,7 @@ from integrable.mumford.flow import MumfordFlow
 from integrable.mumford.motion import BITS_OF_TORUS
 from integrable.mumford.phase_torus import PhaseTorus, circles, in_pairs
 from integrable.portrait import oval_loops
+from integrable.portrait.oval_angles import room_for
 from integrable.portrait.oval_pairs import OvalPairs
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
@@ -142,7 +143,7 @@ def test_loops_interpreted_in_long_numbers_agree() -> None:
         sums = torus.sums
         wide = {name: long(getattr(sums, name)) for name in ("waves", "places", "frequencies", "inverse")}
         sums = sums._replace(**wide, **{name: getattr(sums, name).tolist() for name in ("rough", "bounds", "circle")})
-        sizes, out = [len(row) for row in torus._room()[:-1]], [reals.number(0)] * (2 * 3 * len(times))
+        sizes, out = [len(row) for row in room_for(3, 3)[:-1]], [reals.number(0)] * (2 * 3 * len(times))
         room = oval_loops.PhaseRoom(*([reals.number(0)] * n for n in sizes[:3]), *([0.0] * n for n in sizes[3:]), [0.0])
         assert oval_loops.points_at_times(sums, times, room, out)
         true = long(torus.points(np.array(times)))
