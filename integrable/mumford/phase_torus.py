@@ -58,8 +58,9 @@ class PhaseTorus(FarTimes):
         self._put_places(turn)
 
     def _parts(self, turn: Real) -> list[list[Real]]:
-        """For each form its parts in the sums of :class:`integrable.portrait.oval_loops.PhaseSums`: the sum that grows
-        by 2π with the angle of an oval, for each oval, then the angles about an axis less their parts linear in phases.
+        """For each form its parts in the sums of :class:`integrable.portrait.oval_loops.PhaseSums`: first in the sums
+        that grow by 2π with the angle of an oval, then in the angles about an axis, from which what is linear in the
+        phases is subtracted.
         """
         zero, genus, means = turn * 0, self._genus, self._torus.means
         unit = [[zero + (i == j) for j in range(self._width)] for i in range(self._width)]
