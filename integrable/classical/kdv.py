@@ -220,7 +220,11 @@ class Wave:
             profile = self._profile(float(t))
             carries = self._genus <= 2 or self._lost(max(abs(xs)), t) <= MOST_LOST
             if profile is not None and carries and profile.reaches(xs):
-                return self._on(profile, xs)
+                try:
+                    return self._on(profile, xs)
+                except PrecisionLoss:
+                    # points were not found at these x
+                    pass
         return [self._value(x, t) for x in xs.tolist()]
 
     def _profile(self, t: float) -> Profile | None:

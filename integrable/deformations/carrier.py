@@ -2,8 +2,8 @@
 
 For n requested digits a motion is computed with n + GUARD_DIGITS digits, and with as many more as the number of periods
 until the given time has. Further loss is measured on every call. The integrals of each state and the state at τ = 0 are
-compared with those of the start, and the rate of γ there with γ × Ω. The farthest state is computed again
-with more digits, which also checks the signs of γ and M. If k digits are missing, everything is repeated with k more;
+compared with those of the start, and the rate of γ at τ = 0 with γ × Ω. The farthest state is computed again with more
+digits, which also checks the signs of γ and M. If k digits are missing, everything is repeated with k more;
 PrecisionLoss if this does not help.
 """
 
@@ -36,6 +36,8 @@ ROUNDING = 6
 """Number of digits that the computation may lose for a τ within one period."""
 OFF_COURSE = 1e-10
 """Largest relative error of the rate of γ at the start. Rounding and the finite step cause about 1e-13."""
+LEAST_RATE = 1e-3
+"""Errors of smaller rates are relative to this rate, because γ may rest. Its unit is one turn of the faster point."""
 
 GammaM = tuple[Vector, Vector]
 """γ and M in wide numbers."""
@@ -112,16 +114,16 @@ class CurvesCarrier(Carrier):
         return self.read(self.field, self.inner, self.frame, first, second)
 
     def on_course(self) -> bool:
-        """Whether γ at a small τ agrees with dγ/dτ = γ × Ω/g at the start. The state at τ = 0, H and K show neither the
-        direction of the points nor their rates.
+        """Whether the change of γ in a small τ agrees with dγ/dτ = γ × Ω/g at the start. The state at τ = 0, H and K
+        show neither the direction in which the points move nor how fast.
         """
         K, (gamma, M), system = self.field, self.start.vectors, self.system
-        small, rate = K.coerce(10) ** -(self.digits // 2 + 6), self.speed / self.period
+        turns, pace = K.coerce(10) ** -(self.digits // 2 + 6), self.speed / self.period
         slow, (x, y, z) = K.sqrt(system.body.conformal(gamma)), system.omega_at(system.scalars(lambda x: x, gamma, M))
-        turn = [slow * x for x in cross(K, gamma, (x, y, z))]
-        moved = [(x - y) * rate / small for x, y in zip(self.point(small / rate)[0], self.shown[0], strict=True)]
-        most = OFF_COURSE * (max(map(abs, turn)) + abs(rate) / 1000)
-        return all(abs(x - y) <= most for x, y in zip(moved, turn, strict=True))
+        rates = [slow * x for x in cross(K, gamma, (x, y, z))]
+        moved = [(x - y) * pace / turns for x, y in zip(self.point(turns / pace)[0], self.shown[0], strict=True)]
+        most = OFF_COURSE * (max(map(abs, rates)) + abs(pace) * LEAST_RATE)
+        return all(abs(x - y) <= most for x, y in zip(moved, rates, strict=True))
 
     def lost(self, tau: Real) -> int:
         return ceil((self.field.exponent(1 + self.turns(tau)) or 0) / log2(10))

@@ -39,9 +39,8 @@ class DeformedFlow(HamiltonianMotion):
     """The motion of a deformation through a state at any time, by additions on two elliptic curves, over RR or MP(n).
 
     It is the base class of the flows that ``system.flow`` returns. The inputs count as exact, and states are rounded
-    once to the field, floats included. Repeated calls return the same bits, whatever was computed before. Last bits may
-    change only when :class:`integrable.motion.near.NearWalk` is compiled for a kind of systems, once per
-    machine. PrecisionLoss if more than MOST_LOST digits would be lost (:mod:`integrable.motion.precise`).
+    once to the field, floats included. Repeated calls return the same bits, whatever was computed before. PrecisionLoss
+    if more than MOST_LOST digits would be lost (:mod:`integrable.motion.precise`).
     """
 
     method = "elliptic curves"

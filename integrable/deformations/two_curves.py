@@ -227,7 +227,9 @@ class CurveTranslation(Step):
             raise ArgumentError(f"points = {shown(points)}: give {wanted}")
         K = system.field
         self.points = tuple(None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given))
-        if system.body.rolls and K.inv(system.d) in self.points:
+        # in floats the product of d and a neighbour of 1/d may be 1, and that of d and 1/d may not
+        there = [x for x in self.points if x is not None]
+        if system.body.rolls and any(x == K.inv(system.d) or K.mul(system.d, x) == K.one for x in there):
             raise ArgumentError(
                 f"points = {shown(points)}: 1/d is the point at infinity, which adds nothing; give None for it"
             )

@@ -81,8 +81,8 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
     The ``kernel`` "python" is the readable loop, "compiled" the same source compiled (floats only), and "auto" chooses
     by the amount of work. With NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
     :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
-    bit, whatever was computed before. With ``kernel="compiled"`` there are no short runs, which is faster if a flow is
-    called many times, each time for a single t of several hundred.
+    bit, whatever was computed before. With ``kernel="compiled"`` there are no walks and no short runs, which is faster
+    if a flow is called many times, each time for a single t of several hundred.
     """
 
     kernel: str

@@ -36,7 +36,7 @@ NO_ROWS = np.empty(0, dtype=np.intp)
 WAYS = {
     "closed form": "elliptic or elementary functions of a body with equal moments",
     "short run": "additions from the start on, with interpolation between them, in floats",
-    "torus": "additions to a table of the motion's torus, in floats",
+    "torus": "theta functions on the motion's torus, in floats",
     "multiprecision": "additions to as many digits as needed, over MP(digits) or rounded to floats",
     "elliptic curves": "an addition on each of the two curves of a deformation, to as many digits as needed",
     "integrated": "the equations of motion, by Taylor series",

@@ -119,7 +119,7 @@ class BodyFlow(MumfordFlow):
         try:
             found = settled_digits(lambda N: self._integrated(N, times), self.digits)
         except Infeasible as error:
-            raise PrecisionLoss(f"this motion is on a separatrix or too near one for its clock, and {error}") from None
+            raise PrecisionLoss(f"{error}; this motion is on a separatrix, or too near one for its clock") from None
         states = [[element(self.system.field, x) for x in vector] for vector in found]
         return StatesReached(SERIES, np.array(states, dtype=times.dtype).reshape(len(times), 2, 3))
 

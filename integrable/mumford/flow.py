@@ -46,9 +46,9 @@ if TYPE_CHECKING:
 # largest relative difference allowed between states on a torus and states by another method
 RIGHT = 1e-12
 # BY_ADDITIONS is the cost of states by additions, and ON_TORUS that of states on a torus, for each genus. In genus > 3
-# the cost of a torus grows as the square of the genus. It is 5 to 9 ms in genus 3 (python -m benchmarks mumford), but
-# series take up to three times their estimated cost. Instead of additions, Taylor series are tried up to a cost of
-# LONGEST microseconds (python -m benchmarks near, real_torus)
+# the cost of a torus grows as the square of the genus. In genus 3 it is 5 to 24 ms (python -m benchmarks mumford); less
+# is stated here, because series may take three times as long as estimated. Instead of additions, Taylor series are
+# tried up to a cost of LONGEST microseconds (python -m benchmarks near, real_torus)
 BY_ADDITIONS, LONGEST = Cost(6000, 1500), 150_000
 ON_TORUS = {1: Cost(300, 3), 2: Cost(400, 1), 3: Cost(4000, 3)}
 # the costs on a torus if t is not linear in τ, which takes longer in genus 2
@@ -141,8 +141,9 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
         Floats are accurate to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. In floats, states near the start are computed by Taylor
-        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus. Repeated calls return
-        the same bits, whatever was requested before. ArgumentError for times that are not numbers.
+        series (:mod:`integrable.series.kinds`). Farther states are computed on the real torus, or by additions if there
+        is none. Repeated calls return the same bits, whatever was requested before. ArgumentError for times that are
+        not numbers.
         """
         given = times_in(self.system.field, times, "times")
         return self._after(self._near(given), given)
@@ -272,7 +273,7 @@ class MumfordFlow(StateFlow[Path], Immutable):
 
     @cached_property
     def _tori(self) -> dict[int, tuple[SeparatedTorus, LiftedPairs]]:
-        """For each number of bits in use, the ovals and the function that computes pairs from angles in them."""
+        """For each number of bits in use, the ovals and the pairs of points in them."""
         return {}
 
     @property
@@ -404,9 +405,9 @@ class MumfordFlow(StateFlow[Path], Immutable):
         return lambda points, times: formulas.states(fixed, [*points], times)
 
     def _pairs_on(self, N: LongField, torus: SeparatedTorus) -> LiftedPairs:
-        """The function from points in their ovals to pairs, each lift with the sign that continues that of the start.
+        """The pairs of points in their ovals, each lift with the sign that continues that of the start.
 
-        Data that are no lifts are the time t, which formulas of states do not use.
+        Data that are no lifts are taken to be the time t, which formulas of states do not use.
         """
         from integrable.portrait.oval_pairs import LiftedPairs
 

@@ -48,7 +48,7 @@ def differences(motion: FlowMap, inputs: Inputs, digits: int, size: float) -> np
     """
     sizes = [float(size) for size in inputs.sizes if size]
     if not (0 < min(sizes) <= max(sizes) < inf and size < inf):
-        raise PrecisionLoss("sensitivity: the sizes of the inputs or of the derivatives are beyond those of floats")
+        raise PrecisionLoss("sensitivity: the inputs or the derivatives are beyond the range of floats")
     spread = ceil(log10(max(sizes)) - log10(min(sizes)))
     for _ in range(ATTEMPTS):
         large = max(0, ceil(log10(size)))

@@ -139,7 +139,7 @@ class StateFlow(Generic[AnyRun]):
         """The same motion over another field, to which its numbers are converted."""
         return self if field == self.system.field else self._with(self._numbers, field)
 
-    def _with(self, numbers: Iterable[Real], field: Any) -> StateFlow[AnyRun]:
+    def _with(self, numbers: Iterable[Real], field: Field) -> StateFlow[AnyRun]:
         """:meth:`_through`, but the changed start obeys the constraints of this one: (γ, M) = 0 unless it is tilted."""
         return self._through(numbers, field)
 

@@ -300,7 +300,8 @@ def _abscissas(system: PhaseSpace, points: Iterable[Abscissa]) -> tuple[Any, ...
         return tuple(x if callable(x) else K.coerce(x, f"points[{i}]") for i, x in enumerate(given))
     if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not 0 < abs(given[0].imag) < inf:
         raise ArgumentError(
-            f"points = {shown(points)}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP"
+            f"points = {shown(points)}: complex abscissas come as a conjugate pair (z, z̄) of finite numbers, over RR "
+            "or MP"
         )
     K.coerce(given[0].real, "points[0].real")
     return tuple(given)

@@ -192,8 +192,8 @@ class LongSeries:
         return found
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes for this many digits, None for all. The others are together at most a quarter of a unit of the last
-        digit.
+        """The modes for this many digits, None for all digits of the series. The others are together at most a quarter
+        of a unit of the last digit.
         """
         kept, bits, middle = self._kept, self._balls.bits, -self.rough._first
         noise = self._noise if digits is None else 10.0**-digits

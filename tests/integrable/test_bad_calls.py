@@ -115,7 +115,7 @@ CASES = {
         lambda: BALL.translation([complex(1, INFINITE), complex(1, -INFINITE)]),
         ArgumentError,
         "points = [(1+infj), (1-infj)]: ",
-        "a conjugate pair",
+        "a conjugate pair (z, z̄) of finite numbers",
     ),
     "an infinite real part": (
         lambda: BALL.translation([complex(INFINITE, 1), complex(INFINITE, -1)]),
@@ -133,6 +133,12 @@ CASES = {
         lambda: Tilde((1, 2, 4), 0.1).translation((10.0, None)),
         ArgumentError,
         "points = (10.0, None): ",
+        "give None",
+    ),
+    "a neighbour of 1/d as a point of a curve": (
+        lambda: Tilde((1, 2, 4), 0.0024982512241431).translation((400.28000000000003, None)),
+        ArgumentError,
+        "points = (400.28000000000003, None): ",
         "give None",
     ),
     "no point on two curves": (lambda: TILDE.translation(7.0), ArgumentError, "points = 7.0: ", "two abscissas"),

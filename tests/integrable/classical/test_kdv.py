@@ -6,13 +6,15 @@ from random import Random
 import numpy as np
 import pytest
 
-from integrable.classical.kdv import KdV, directions_of_waves, potential
+from integrable.classical.kdv import MANY, KdV, directions_of_waves, potential
 from integrable.classical.two_gaps import TwoGaps
 from integrable.mumford.fields import rates
 from integrable.phase.jets import Jet, JetField
+from integrable.portrait import oval_loops
 from jacobian import CC, GF, MP, ArgumentError, HyperellipticCurve, PrecisionLoss, poly
 from jacobian.errors import FieldError
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 from jacobian.periods.matrix import periods
 from tests.integrable.classical.rows import different, extrapolated
 from tests.integrable.exact_points import attempt, over_fields
@@ -124,6 +126,16 @@ def test_reversal_shape_and_bounds(edges, gamma, signs) -> None:
     assert u.at([]).shape == (0,)
     assert table.max() <= sum(edges) - 2 * sum(edges[1::2])
     assert table.min() >= sum(edges) - 2 * sum(edges[2::2])
+
+
+@pytest.mark.skipif(interpreted(), reason="profiles are compiled")
+def test_additions_take_over_where_points_of_a_profile_are_not_found(monkeypatch) -> None:
+    """The values were refused instead."""
+    ours, x = wave(*WAVES[2]), np.linspace(-5, 5, MANY)
+    true = ours.at(x, 0.25)
+    assert ours._profiles[0.25] is not None
+    monkeypatch.setattr(oval_loops.LIBRARY, "points_at_times", lambda *given: False)
+    assert np.abs(ours.at(x, 0.25) - true).max() < 1e-14
 
 
 @pytest.mark.thinned(2)
