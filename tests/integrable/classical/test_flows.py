@@ -312,6 +312,8 @@ def test_thirty_digits_on_a_separatrix() -> None:
         c, s, x, z = context.cos(K.one * time / 2), context.sin(K.one * time / 2), K.coerce("0.6"), K.coerce("0.8")
         expected = (c * x - s * z, 0, s * x + c * z, 0, 1, 0)
         assert max(abs(a - b) for a, b in zip((*q, *p), expected, strict=True)) < 1e-29
+    with pytest.raises(PrecisionLoss, match=r"^times: .* is within reach; this motion is on a separatrix"):
+        system.flow(system.state(("0.6", 0, "0.8"), (0, 1, 0))).at(10**9)
 
 
 def test_times_beyond_its_clock_are_refused() -> None:
