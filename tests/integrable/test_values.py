@@ -24,7 +24,7 @@ def values(kind):
 
 
 # internal number types and chunks of sweeps, never returned to users
-INSIDE = {"Balls", "Columns", "_Operators", "SymbolField", "PairField", "Scenes"}
+INSIDE = {"Arrays", "Balls", "Columns", "_Operators", "SymbolField", "PairField", "Scenes"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
 ARRAYS += (
     "ratios",
