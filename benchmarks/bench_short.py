@@ -27,7 +27,6 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.ways import Cost, Way
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
-from integrable.series.steps import steps_for
 from jacobian.errors import PrecisionLoss
 
 SCENES = ("chaplygin", "euler_top", "thin_ball", "tilted_ball")
@@ -117,7 +116,7 @@ def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
             return None
 
     row: Row = {"scene": name, "T": T, "outputs": outputs}
-    row["walk ms"] = milliseconds("auto", lambda flow: NearWalk(flow, Cost(1e5, 0), steps_for(None)))
+    row["walk ms"] = milliseconds("auto", lambda flow: NearWalk(flow, Cost(1e5, 0)))
     with patch.object(short, "panels_within", lambda *_: 10**6):
         row["short run ms"] = milliseconds("auto", lambda flow: ShortRuns(flow.system, flow.state))
     row["torus ms"] = milliseconds("compiled")

@@ -28,7 +28,6 @@ from integrable.phase.state import State, onto_constraints, rotation_axis, state
 from integrable.phase.upright import leaning
 from integrable.phase.ways import Cost, Way
 from integrable.portrait.state_flow import StateFlow
-from integrable.series.steps import steps_for
 from jacobian import RR
 from jacobian.element import Number, Real
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
@@ -66,10 +65,10 @@ MOST_RATES = 16_000
 # with CLOCK_DIGITS digits of the clock, states in floats are accurate up to the farthest times that MOST_RATES values
 # reach
 CLOCK_DIGITS = 24
-# A walk by Taylor series is tried before a short run or a torus if it takes at most these microseconds, in the unit of
-# integrable.series.steps.step_cost, and if |M||t|/(I + d), with the least moment I, is at most this number of radians.
-# A ball's walk takes as long as its short run at about 10 radians, a top's as long as its torus at about 200 (python -m
-# benchmarks near, short)
+# A walk by Taylor series is tried first if it is short and cheap. Its cost is in microseconds, in the unit of
+# integrable.series.steps.step_cost. Its length |M||t|/(I + d), with the least moment I, is in radians. A ball's walk
+# takes as long as its short run at about 10 radians, a top's as long as its torus at about 200. Up to 300 the bound on
+# the cost decides (python -m benchmarks near, short)
 WALK_OF_BALL, WALK_OF_TOP = (Cost(30, 0), 10.0), (Cost(120, 0.3), 300.0)
 # basic steps (Setup.step_time) per panel of a search for events, so few that the nodes of a panel resolve γ and M
 PANEL_STEPS = 6
@@ -215,7 +214,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         floats, turns = self.system.body.field is RR, rotation_axis(self.state) is not None
         # closed forms are faster than short runs for rotations, and for equal moments where nothing is compiled
         if floats and self.kernel != "compiled" and not turns and (not self._equal or self._compiled):
-            if self.kernel == "auto":
+            if self._compiled:
                 yield self._walk
             yield self._near
         yield self._closed or (self._torus if floats else None) or self._precise
@@ -225,7 +224,7 @@ class Flow(BodyMotion, StateFlow[Trajectory]):
         body = self.system.body
         cost, radians = WALK_OF_BALL if body.rolls else WALK_OF_TOP
         slowest = (min(body.inertia) + body.d) / hypot(*self.state.vectors[1])
-        return NearWalk(self, cost, steps_for(None), radians * slowest)
+        return NearWalk(self, cost, farthest=radians * slowest)
 
     @quick_property
     def _near(self) -> ShortRuns:

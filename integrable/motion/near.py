@@ -8,19 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.motion.trajectory import Motion
 from integrable.phase.state import onto_constraints, state_of_row
 from integrable.phase.ways import Cost
-from integrable.series.kinds import Formulas, Kind
-from integrable.series.steps import Steps
-from integrable.series.symbols import Symbol
 from jacobian import RR
 from jacobian.element import Real
 from jacobian.immutable import made_once
+
+if TYPE_CHECKING:
+    # these modules load LLVM, which motions over MP(digits) and interpreted ones do not need
+    from integrable.series.kinds import Kind
+    from integrable.series.steps import Steps
 
 
 def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Real]], list[Real]]:
@@ -67,18 +69,21 @@ class Integration:
 
 
 class NearWalk(Integration):
-    """The states near the start by a compiled walk with the steps of ``plan``, if the walk costs at most ``cost``.
+    """The states near the start by a compiled walk, if the walk costs at most ``cost``.
 
-    If the first or the last time is beyond ``farthest``, no walk is tried.
+    Its steps are those of ``plan``, by default those for states that are right to the last bits. If the first or the
+    last time is beyond ``farthest``, no walk is tried.
     """
 
-    def __init__(self, motion: Motion, cost: Cost, plan: Sequence[Steps], farthest: float = inf) -> None:
+    def __init__(self, motion: Motion, cost: Cost, plan: Sequence[Steps] | None = None, farthest: float = inf) -> None:
         self._motion, self._cost, self._plan, self._farthest = motion, cost, plan, farthest
 
     def compile(self) -> None:
         """Compiles the walks of :meth:`at`, or loads them from disk, before they are needed."""
+        from integrable.series.steps import steps_for
+
         kind = kind_in(self._motion.system, True, self._motion.state.tilted)
-        for steps in self._plan:
+        for steps in self._plan or steps_for(None):
             kind.walk(steps.orders)
 
     def run(self, times: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray] | None:
@@ -88,7 +93,8 @@ class NearWalk(Integration):
         kind, rolls = kind_in(system, physical, state.tilted), system.body.rolls
         # at d ≠ 0 a third vector follows γ and M: (τ, 0, 0), or (t, 0, 0) if the walk is in τ
         given = system.constants, (*state.row, 0.0, 0.0, 0.0) if rolls else state.row
-        near = kind.reached(given, times, self._cost.of(len(times)), self._plan)
+        most = self._cost.of(len(times))
+        near = kind.reached(given, times, most, self._plan) if self._plan else kind.walked(given, times, most)
         if near.lacks(len(times)):
             return None
         states = near.states if near.places is None else near.states[np.argsort(near.places)]
@@ -106,6 +112,9 @@ def kind_in(system: Any, physical: bool, tilted: bool = False) -> Kind:
 
 
 def _made_kind(system: Any, physical: bool, tilted: bool, there: Sequence[bool]) -> Kind:
+    from integrable.series.kinds import Formulas, Kind
+    from integrable.series.symbols import Symbol
+
     symbols = [Symbol(("constant", i)) if is_there else 0.0 for i, is_there in enumerate(there)]
     count = 9 if system.body.rolls else 6
 

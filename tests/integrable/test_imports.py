@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -32,6 +33,17 @@ def test_only_what_is_needed_is_loaded(code, allowed) -> None:
     check = f"{code}\nimport sys\nprint(sorted(name for name in {HEAVY!r} if name in sys.modules))"
     done = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == str(sorted(allowed))
+
+
+@pytest.mark.parametrize(("code", "field"), [("", "RR"), (".at([1.0])", "RR"), ("", "MP(30)")])
+def test_llvm_is_loaded_only_where_something_is_compiled(code, field) -> None:
+    """The flow of a body loaded it on import, although interpreted motions and flows over MP do not compile."""
+    ball = f"from jacobian import MP, RR; {BALL.replace('0.7', '1, field=' + field)}"
+    state = STATE.replace("0.48, 0.6, 0.64", "0, 0, 1").replace("0.384, 1.28, -1.488", "1, 2, 0")
+    check = f"{ball}{state}ball.flow(state){code}; import sys; print('llvmlite' in sys.modules)"
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.strip() == "False"
 
 
 def test_the_list_of_benchmarks_prints_no_warning():
