@@ -234,8 +234,8 @@ class MumfordSystem(Made):
         vars(self)["_last_checked"] = state
 
     _caches = ("_last_checked",)
-    _last_checked: Point | None = None
-    """The last state that was checked."""
+    _last_checked = Point((), ())
+    """The last state that was checked; at first a value that nobody gives, None included."""
 
     def _constraint_sizes(self, state: Point) -> list[Real]:
         """The change of each constraint if every q changed by the largest |q|, and every p by the largest |p|."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, ensemble, load_scene, run, sweep
+from integrable.classical.neumann import Neumann
 from integrable.phase.brackets import image_brackets
 from integrable.scene.orbit import orbit
 from jacobian import CC, GF, QQ, ArgumentError, FieldError
@@ -312,6 +313,7 @@ CASES = {
     "no scene": (lambda: run(None), ArgumentError, "scene = None: ", "the path of a .toml file"),
     "digits in letters": (lambda: load_scene("chaplygin").start("x"), ArgumentError, "digits = 'x': ", "an int ≥ 1"),
     "digits below one": (lambda: load_scene("chaplygin").start(-1), ArgumentError, "digits = -1: ", "an int ≥ 1"),
+    "no state": (lambda: Neumann((1, 2, 4)).flow(None), ArgumentError, "state = None: ", "state(q, p)"),
 }
 
 
