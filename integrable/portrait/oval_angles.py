@@ -28,11 +28,8 @@ class OvalAngles:
     def at(self, phases: Array) -> tuple[Array, Array]:
         """The angles φ, (N, g), at phases in turns, (N, g), and the series of the further sums there, (N, m)."""
         genus, (count, width) = len(self._series), (len(phases), self._series[0].shape[1])
-        turns, sums, room = (
-            np.rint(phases),
-            phase_sums([np.stack((row, 0 * row), axis=2) for row in self._series]),
-            room_for(genus, width),
-        )
+        turns, room = np.rint(phases), room_for(genus, width)
+        sums = phase_sums([np.stack((row, 0 * row), axis=2) for row in self._series])
         given, found = (phases - turns).T.ravel(), np.empty(width * count)
         if interpreted():
             sums, out = PhaseSums._make(row.tolist() for row in sums), found.tolist()

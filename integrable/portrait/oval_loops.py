@@ -1,10 +1,11 @@
 """The angles of points in their ovals at many times: loops over bare reals, compiled unchanged.
 
-For each oval there is a sum of integrals that grows by 2π with the angle φ of this oval and is periodic in the others:
+For each oval there is a sum of integrals that grows by 2π with the angle φ of this oval. It is periodic in all other
+angles:
 
-    2πθ_j = φ_j + Σ_k S_kj(φ_k),    S_kj a sine series,
+    2πθ_j = φ_j + Σ_k S_kj(φ_k),    S_kj a sine series.
 
-with phases θ that are linear in time (:mod:`integrable.portrait.separated`). Newton's method finds the angles in
+The phases θ are linear in time (:mod:`integrable.portrait.separated`). Newton's method finds the angles in
 floats, for eight times at once. One more step with sums in double-doubles doubles the digits. The derivative of θ by φ
 has positive principal minors, because no combination of m of the forms vanishes at points of m ovals. So elimination
 needs no pivots.

@@ -114,8 +114,8 @@ def turned(
     motion: tuple[Sequence[Real], Sequence[Real]],
     sums: OvalAngles | None = None,
 ) -> tuple[list[Real], np.ndarray, np.ndarray]:
-    """The next ``count`` crossings: the times at which the point of an oval has made n + ``end`` turns (``end`` 0 or
-    ½), the phases (N, g − 1) of the other points there, and their change per crossing.
+    """The times of the next ``count`` crossings, the phases (N, g − 1) of the other points there, and their change per
+    crossing. At a crossing the point of an oval has made n + ``end`` turns, where ``end`` is 0 or ½.
 
     ``motion`` are the frequencies of all points and their phases at the start, in turns, in long numbers. ``sums``
     determine the angles φ of the points; None if φ/2π is the phase of its oval.

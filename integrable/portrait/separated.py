@@ -143,8 +143,10 @@ class SeparatedTorus:
 
     @cached_property
     def parts(self) -> np.ndarray:
-        """For each form its parts in the sums of :class:`integrable.portrait.oval_loops.PhaseSums`: the sum that grows
-        by 2π with the angle of an oval, for each oval, then the angles about an axis less their parts linear in phases.
+        """The matrix from the forms (rows) to the sums of :class:`integrable.portrait.oval_loops.PhaseSums` (columns).
+
+        The first sums grow by 2π with the angle of their oval. The others are angles about an axis, without their parts
+        that are linear in the phases.
         """
         N, genus, width = self._field, len(self.ovals), len(self.forms)
         found = np.array([[N.one if i == j else N.zero for j in range(width)] for i in range(width)], dtype=object)
